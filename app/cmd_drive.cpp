@@ -17,7 +17,7 @@
 namespace orthodrive::app {
 namespace {
 
-struct Arguments {
+struct DriveArguments {
   DriveFiles files;
   RunDriveOptions drive;
   std::vector<std::string> via;
@@ -32,7 +32,7 @@ Vec2 parse_point(const std::string& text) {
   return p;
 }
 
-void run(Arguments& arguments, const Context& context) {
+void drive_it(DriveArguments& arguments, const Context& context) {
   for (const std::string& text : arguments.via) arguments.drive.route.via.push_back(parse_point(text));
   StageContext stage = stage_context(context);
   const StageOutcome outcome = runs().run_drive(arguments.files, arguments.drive, stage);
@@ -45,7 +45,7 @@ void run(Arguments& arguments, const Context& context) {
 
 namespace {
 
-void add_route_options(CLI::App& cmd, Arguments& arguments) {
+void add_route_options(CLI::App& cmd, DriveArguments& arguments) {
   cmd.add_option("--route", arguments.drive.route.route,
                  "auto (a loop of raceways, else a good loop of 0.5 to 5 km), or names / OSM ids of ways with commas")
       ->capture_default_str();
@@ -81,7 +81,7 @@ void add_car_options(CLI::App& cmd, RunDriveOptions& drive) {
 }  // namespace
 
 void add_drive(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DriveArguments>();
   CLI::App* cmd = app.add_subcommand(
       "drive",
       "Drives on OpenDRIVE roads: a car whose four tyres ask for the road surface 1000 times a second.\n"
@@ -97,7 +97,7 @@ void add_drive(CLI::App& app, Context& context) {
       "  orthodrive drive --network ring/roads.xodr --vehicle gt3 --laps 2 -o lap\n"
       "  orthodrive drive --network roads.xodr --all-roads --vehicle family -o check\n"
       "  orthodrive drive --network roads.xodr --via 529900,5542300 --via 530400,5542800 --max-lateral 3 -o lap");
-  cmd->callback([arguments, &context] { run(*arguments, context); });
+  cmd->callback([arguments, &context] { drive_it(*arguments, context); });
 }
 
 }  // namespace orthodrive::app

@@ -20,7 +20,7 @@ struct NetworkCommand {
   std::string opendrive = "1.7", crg_format = "KRBI";
 };
 
-void run(NetworkCommand& command, const Context& context) {
+void build_it(NetworkCommand& command, const Context& context) {
   command.options.opendrive_minor_version = command.opendrive == "1.8" ? 8 : 7;
   command.options.crg.format = runs().crg_format_of(command.crg_format);
   StageContext stage = stage_context(context);
@@ -105,7 +105,7 @@ void add_network(CLI::App& app, Context& context) {
       "  orthodrive network --roads out/roads.gpkg -o out/roads.xodr\n"
       "  orthodrive network --roads roads.gpkg -o roads.xodr --elevation-tolerance 0.01 --findings odd.geojson\n"
       "  orthodrive network --roads roads.gpkg -o roads.xodr --opendrive 1.8 --layers network.gpkg --crg way/26182390");
-  cmd->callback([command, &context] { run(*command, context); });
+  cmd->callback([command, &context] { build_it(*command, context); });
 }
 
 }  // namespace orthodrive::app

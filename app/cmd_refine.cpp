@@ -28,7 +28,7 @@ std::vector<NloPass> nlo_passes(const std::string& weights) {
   return passes;
 }
 
-void run(RefineCommand& command, const Context& context) {
+void refine_it(RefineCommand& command, const Context& context) {
   static const std::map<std::string, RefineMethod> methods{{"default", RefineMethod::standard},
                                                            {"nlo", RefineMethod::nlo},
                                                            {"mrf", RefineMethod::mrf},
@@ -89,7 +89,7 @@ void add_refine(CLI::App& app, Context& context) {
       "  orthodrive refine --osm roads.osm --labels out/labels.tif --gpx monday.gpx --gpx tuesday.gpx -o roads.gpkg\n"
       "  orthodrive refine --osm town.osm.pbf --labels labels.tif --search-radius 12 -o roads.gpkg\n"
       "  orthodrive refine --method mrf --osm roads.osm --photo ortho.tif --forests forests.yml -o roads.gpkg");
-  cmd->callback([command, &context] { run(*command, context); });
+  cmd->callback([command, &context] { refine_it(*command, context); });
 }
 
 }  // namespace orthodrive::app

@@ -14,7 +14,7 @@
 
 namespace orthodrive::app {
 namespace {
-struct Arguments {
+struct SynthArguments {
   std::string preset = "village";
   SynthFiles files;
   SynthOptions options;
@@ -29,7 +29,7 @@ const std::map<std::string, Preset> presets{
 void add_synth(CLI::App& app, Context& context) {
   std::vector<std::string> names;
   for (const auto& [name, preset] : presets) names.push_back(name);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthArguments>();
   CLI::App* cmd = app.add_subcommand("synth",
                                      "Makes a synthetic site with exact truth.\n"
                                      "Writes site.toml, ortho.tif, roads.osm, dtm_1m.tif, dtm_10m.tif and truth/ "

@@ -9,3 +9,9 @@ find_program(CCACHE ccache)
 if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
+# Unity builds: g++ reads 16 files of a target in one go, which takes less than half of the time, as the headers are read and their
+# templates instantiated once. So a name of an unnamed namespace is used once in a folder. Files with flags of their own stay
+# apart, by CMake's rule. OFF for work on one file.
+option(ORTHODRIVE_UNITY "compile many files of a target in one go" ON)
+set(CMAKE_UNITY_BUILD ${ORTHODRIVE_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)

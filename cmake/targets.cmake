@@ -3,7 +3,8 @@
 # that stay private (they do not leak into who links us). PART_SOURCES lie in the folder and belong to the part PART of
 # orthodrive_part() instead.
 set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers
-  -Wno-restrict)  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
+  -Wno-restrict  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
+  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-subobject-linkage>)  # a .cpp that is included looks like a header to g++
 
 function(orthodrive_library NAME)
   cmake_parse_arguments(A "" "PART" "DEPS;LIBS;PART_SOURCES" ${ARGN})
@@ -61,6 +62,7 @@ endfunction()
 # NAME_avx512. All need fused multiply-add. -Wno-psabi: vectors are only passed to functions that are inlined.
 function(orthodrive_cpu_kernels NAME)
   set(PLAIN)
+  set_source_files_properties(${NAME}.cpp ${NAME}_plain.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set(PLAIN -mfma)
     set_source_files_properties(${NAME}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;-mavx2;-mfma")
@@ -70,31 +72,4 @@ function(orthodrive_cpu_kernels NAME)
     set_source_files_properties(${NAME}_avx2.cpp ${NAME}_avx512.cpp PROPERTIES HEADER_FILE_ONLY ON)
   endif()
   set_source_files_properties(${NAME}_plain.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;${PLAIN}")
-endfunction()
-
-# A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest. FIXTURE is a ctest
-# fixture that must have run before (sites built by tests/pipeline). LEAVE_OUT: files that are not built.
-function(orthodrive_test NAME)
-  cmake_parse_arguments(A "" "TIMEOUT;FIXTURE" "DEPS;LIBS;LEAVE_OUT" ${ARGN})
-  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  list(TRANSFORM A_LEAVE_OUT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-  list(REMOVE_ITEM SOURCES ${A_LEAVE_OUT})
-  if(NOT SOURCES)
-    return()
-  endif()
-  if(NOT A_TIMEOUT)
-    set(A_TIMEOUT 300)
-  endif()
-  list(TRANSFORM A_DEPS PREPEND orthodrive::)
-  add_executable(test_${NAME} ${SOURCES})
-  target_include_directories(test_${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  # What a test does itself is little: -O1 takes a quarter less time to compile than -O3.
-  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS} $<$<CONFIG:Release>:-O1>)
-  target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} orthodrive_test_paths
-    orthodrive_test_main)
-  if(NOT NAME STREQUAL core)  # gtest costs seconds a file: one precompiled header serves all tests
-    target_precompile_headers(test_${NAME} REUSE_FROM test_core)
-  endif()
-  gtest_discover_tests(test_${NAME} DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${A_TIMEOUT}
-    FIXTURES_REQUIRED "${A_FIXTURE}")
 endfunction()

@@ -11,7 +11,7 @@
 namespace roadquery {
 namespace {
 
-constexpr std::size_t most_lanes = 8'000'000;  // 500 MB: lanes times the places where one of them changes
+constexpr std::size_t most_lane_records = 8'000'000;  // 500 MB: lanes times the places where one of them changes
 
 /// Adds the cubic of `cubics` that holds at `inside`, in powers of (x - s); before the first one it is 0.
 void add_cubic(const std::vector<Cubic>& cubics, double inside, double s, double sign, double (&sum)[4]) {
@@ -74,7 +74,7 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
   add_side(section.right, -1.0, 0);
   constexpr std::size_t most_lanes_beside = 65535;
   if (section.left.size() > most_lanes_beside || section.right.size() > most_lanes_beside ||
-      baked.lanes.size() > most_lanes)
+      baked.lanes.size() > most_lane_records)
     throw std::runtime_error("road " + std::to_string(road.id) + " has too many lanes");
   stretch.left_count = static_cast<std::uint16_t>(section.left.size());
   stretch.right_count = static_cast<std::uint16_t>(section.right.size());

@@ -15,8 +15,8 @@ namespace roadquery {
 namespace {
 
 constexpr std::size_t most_entries = 60'000'000;  // 480 MB
-constexpr double most_turn_rad = 1.2;             // of the line within one entry
-constexpr double farthest_m = 327.0;              // of what an entry holds in cm
+constexpr double most_entry_turn_rad = 1.2;       // of the line within one entry
+constexpr double farthest_in_entry_m = 327.0;     // of what an entry holds in cm
 
 struct CellStation {
   std::int32_t column = 0, row = 0;
@@ -86,7 +86,7 @@ void append_ranges(const BakedRoads& roads, std::vector<CellStation>& cells, std
     const CellStation& c = cells[i];
     turn += turn_of(roads.stations[c.station]);
     const bool goes_on = i > 0 && cells[i - 1].column == c.column && cells[i - 1].row == c.row &&
-                         cells[i - 1].station + 1 == c.station && turn <= most_turn_rad &&
+                         cells[i - 1].station + 1 == c.station && turn <= most_entry_turn_rad &&
                          c.station - ranges.back().range.first < most_in_entry;
     if (goes_on) {
       ranges.back().range.last = c.station;
@@ -151,7 +151,7 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
   entry.lanes = middle.lanes;
   const double from_x = middle.x - r.column * cell_m, from_y = middle.y - r.row * cell_m;
   entry.x = to_cm(from_x, false), entry.y = to_cm(from_y, false);
-  if (!(std::max(std::abs(from_x), std::abs(from_y)) < farthest_m)) {  // of a very wide road: no outline
+  if (!(std::max(std::abs(from_x), std::abs(from_y)) < farthest_in_entry_m)) {  // of a very wide road: no outline
     entry.along_min = entry.left_min = -32768, entry.along_max = entry.left_max = 32767;
     return entry;
   }
@@ -245,8 +245,8 @@ std::size_t CellIndex::slot_of(std::int32_t column, std::int32_t row) const {
 }
 
 Cell CellIndex::at(double x, double y) const {
-  constexpr double farthest_m = 4e9;  // more than any road has, less than an index holds
-  if (slots_.empty() || !(std::abs(x) < farthest_m && std::abs(y) < farthest_m)) return {};
+  constexpr double farthest_in_entry_m = 4e9;  // more than any road has, less than an index holds
+  if (slots_.empty() || !(std::abs(x) < farthest_in_entry_m && std::abs(y) < farthest_in_entry_m)) return {};
   const double column = std::floor(x * (1.0 / cell_m)), row = std::floor(y * (1.0 / cell_m));
   const Slot& slot = slots_[slot_of(static_cast<std::int32_t>(column), static_cast<std::int32_t>(row))];
   for (std::uint32_t i = 0; i < std::min(slot.count, 8U); i += 2) __builtin_prefetch(entries_.data() + slot.begin + i);

@@ -11,7 +11,7 @@ namespace roadquery {
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-constexpr double farthest_m = 1e8;          // as for roads
+constexpr double farthest_node_m = 1e8;     // as for roads
 constexpr double border_rounding_m = 1e-8;  // what a place may lie beyond the grid by (the C API's dMaxBorderError)
 constexpr double same_spacing_m = 1e-9;
 constexpr double share_rounding = 1e-7;          // of a strip: what a place may lie beyond its ends by
@@ -40,7 +40,7 @@ Folded fold(double value, double first, double last, CrgBorder border) {
 
 void check_range(const std::vector<double>& values, const char* what) {
   for (const double value : values)
-    if (!std::isnan(value) && !(std::abs(value) <= farthest_m))
+    if (!std::isnan(value) && !(std::abs(value) <= farthest_node_m))
       throw std::runtime_error(std::string(what) + " lies beyond 1e8 m");
 }
 

@@ -10,7 +10,7 @@
 namespace roadquery {
 namespace {
 
-constexpr double same_level_m = 1.5;  // as for the query
+constexpr double level_of_roads_m = 1.5;  // as for the query
 
 Hit terrain_hit(const TerrainPoint& ground) {
   Hit hit;
@@ -39,10 +39,10 @@ GroundQuery::GroundQuery(RoadMap map, std::optional<TerrainGrid> terrain, double
 
 Place GroundQuery::choose(bool on_road, double x, double y, double z_guess, Hit& hit) const {
   // On a road, near it: the terrain is not asked.
-  if (on_road && !(std::abs(hit.z - z_guess) > same_level_m)) return place_of(hit);
+  if (on_road && !(std::abs(hit.z - z_guess) > level_of_roads_m)) return place_of(hit);
   const auto ground = ground_beside_roads(x, y);
   if (!ground) return on_road ? place_of(hit) : Place::none;
-  const bool other_level = on_road && std::abs(ground->z - hit.z) > same_level_m;
+  const bool other_level = on_road && std::abs(ground->z - hit.z) > level_of_roads_m;
   if (on_road && !(other_level && std::abs(ground->z - z_guess) < std::abs(hit.z - z_guess))) return place_of(hit);
   hit = terrain_hit(*ground);
   return Place::terrain;
@@ -66,7 +66,7 @@ SurfacePoint GroundQuery::point(int road, double s, double t) const {
   SurfacePoint point = surface_point(roads_.map().roads[static_cast<std::size_t>(road)], s, t);
   Cursor cursor{road, s};
   const auto hit = roads_.find(point.x, point.y, point.z, cursor);
-  if (!hit || std::abs(hit->z - point.z) > same_level_m) return point;
+  if (!hit || std::abs(hit->z - point.z) > level_of_roads_m) return point;
   point.z = hit->z;
   for (std::size_t k = 0; k < 3; ++k) point.normal[k] = hit->normal[k];
   return point;

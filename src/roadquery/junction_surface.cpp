@@ -18,31 +18,31 @@ namespace roadquery {
 namespace {
 
 /// Two numbers at once.
-using Pair = double __attribute__((vector_size(16)));
-Pair load_pair(const double* at) {
-  Pair loaded;
+using NodePair = double __attribute__((vector_size(16)));
+NodePair load_node_pair(const double* at) {
+  NodePair loaded;
   __builtin_memcpy(&loaded, at, sizeof loaded);
   return loaded;
 }
 
 /// Weights of four neighbouring nodes and their derivatives, u in [0, 1] between the second and the third, in x and y.
 struct Weights {
-  Pair value[4], slope[4];
+  NodePair value[4], slope[4];
 };
 
-Weights catmull_rom(Pair u) {
-  const Pair u2 = u * u, u3 = u2 * u;
+Weights catmull_rom(NodePair u) {
+  const NodePair u2 = u * u, u3 = u2 * u;
   return {{-0.5 * u + u2 - 0.5 * u3, 1.0 - 2.5 * u2 + 1.5 * u3, 0.5 * u + 2.0 * u2 - 1.5 * u3, 0.5 * (u3 - u2)},
           {-0.5 + 2.0 * u - 1.5 * u2, -5.0 * u + 4.5 * u2, 0.5 + 4.0 * u - 4.5 * u2, 1.5 * u2 - u}};
 }
 
 /// Where a coordinate lies among `count` nodes: the node before it and the way on, both within the nodes.
-struct Cell {
+struct SurfaceCell {
   int node = 0;
   double u = 0.0;
 };
 
-Cell cell_at(double offset_m, double spacing_m, int count) {
+SurfaceCell cell_at(double offset_m, double spacing_m, int count) {
   // Comparisons that are false for NaN end at the first node.
   const double at = offset_m / spacing_m, last = static_cast<double>(std::max(count - 1, 0));
   const double inside = at > 0.0 ? std::min(at, last) : 0.0;
@@ -51,18 +51,18 @@ Cell cell_at(double offset_m, double spacing_m, int count) {
 }
 
 /// From rows of four nodes.
-JunctionHeight bicubic(const double* const (&rows)[4], Pair u, double inverse_spacing) {
+JunctionHeight bicubic(const double* const (&rows)[4], NodePair u, double inverse_spacing) {
   const Weights w = catmull_rom(u);
-  Pair value[2] = {}, slope[2] = {};  // of the four columns, by y
+  NodePair value[2] = {}, slope[2] = {};  // of the four columns, by y
   for (int j = 0; j < 4; ++j) {
-    const Pair v = {w.value[j][1], w.value[j][1]}, s = {w.slope[j][1], w.slope[j][1]};
+    const NodePair v = {w.value[j][1], w.value[j][1]}, s = {w.slope[j][1], w.slope[j][1]};
     for (int i = 0; i < 2; ++i) {
-      const Pair z = load_pair(rows[j] + 2 * i);
+      const NodePair z = load_node_pair(rows[j] + 2 * i);
       value[i] += v * z, slope[i] += s * z;
     }
   }
-  const auto sum = [](const Pair(&of_x)[4], const Pair(&of)[2]) {
-    const Pair products = Pair{of_x[0][0], of_x[1][0]} * of[0] + Pair{of_x[2][0], of_x[3][0]} * of[1];
+  const auto sum = [](const NodePair(&of_x)[4], const NodePair(&of)[2]) {
+    const NodePair products = NodePair{of_x[0][0], of_x[1][0]} * of[0] + NodePair{of_x[2][0], of_x[3][0]} * of[1];
     return products[0] + products[1];
   };
   return {sum(w.value, value), sum(w.slope, value) * inverse_spacing, sum(w.value, slope) * inverse_spacing};
@@ -70,9 +70,9 @@ JunctionHeight bicubic(const double* const (&rows)[4], Pair u, double inverse_sp
 
 JunctionHeight field_at(const JunctionField& surface, double x, double y) {
   if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
-  const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
-  const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
-  const Pair u = {column.u, row.u};
+  const SurfaceCell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
+  const SurfaceCell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
+  const NodePair u = {column.u, row.u};
   const double inverse_spacing = 1.0 / surface.spacing_m;
   const int c0 = column.node - 1, r0 = row.node - 1;
   const auto line = [&](int r) { return surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns; };
@@ -207,7 +207,7 @@ JunctionHeight blend_arms(const JunctionHeight& field, std::span<const JunctionA
 
 JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, double u_y, double inverse_spacing) {
   const std::ptrdiff_t next = columns;
-  return bicubic({first, first + next, first + 2 * next, first + 3 * next}, Pair{u_x, u_y}, inverse_spacing);
+  return bicubic({first, first + next, first + 2 * next, first + 3 * next}, NodePair{u_x, u_y}, inverse_spacing);
 }
 
 double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }

@@ -21,7 +21,7 @@
 namespace roadquery {
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr double missing_value = std::numeric_limits<double>::quiet_NaN();
 
 bool is_double(CrgFormat format) { return format == CrgFormat::ldfi || format == CrgFormat::kdbi; }
 
@@ -94,7 +94,7 @@ class DataReader {
     if (!line) fail_at_line(file_, line_number, "the file ends within a row of data");
     for (std::size_t k = 0; k < count; ++k) {
       const std::string_view field = line->size() > k * width ? trimmed(line->substr(k * width, width)) : "";
-      const auto parsed = field.starts_with('*') ? missing : crg_number(field);
+      const auto parsed = field.starts_with('*') ? missing_value : crg_number(field);
       if (!parsed)
         fail_at_line(file_, line_number,
                      "'" + std::string(field) + "' in columns " + std::to_string(k * width + 1) + " to " +

@@ -9,9 +9,9 @@ namespace roadquery {
 namespace {
 
 constexpr double step_m = 1.0, sagitta_m = 0.002;
-constexpr double probe_m = 0.02;      // beyond the border: is another road there?
-constexpr double seam_m = 0.27;       // a surface goes on 0.25 m beyond the end of its road, where nothing else is
-constexpr double same_level_m = 1.5;  // as for the query
+constexpr double probe_m = 0.02;        // beyond the border: is another road there?
+constexpr double beyond_seam_m = 0.27;  // a surface goes on 0.25 m beyond the end of its road, where nothing else is
+constexpr double level_of_borders_m = 1.5;  // as for the query
 constexpr double most_cells = 4e6;
 
 /// Stations 0 ... length, so near each other that the chords of the outer edge are within the sagitta.
@@ -64,7 +64,7 @@ void RoadBorders::add_ends(const RoadQuery& query, int index) {
     const int count = 1 + static_cast<int>((edges.left_t - edges.right_t) / step_m);
     const auto at = [&](int i) {
       SurfacePoint p = surface_point(road, s, edges.right_t + (edges.left_t - edges.right_t) * i / count);
-      p.x += seam_m * out_x, p.y += seam_m * out_y;
+      p.x += beyond_seam_m * out_x, p.y += beyond_seam_m * out_y;
       return p;
     };
     for (int i = 0; i < count; ++i) {
@@ -80,11 +80,11 @@ void RoadBorders::add(const RoadQuery& query, int road, Segment segment, double 
   const double z = 0.5 * (segment.z0 + segment.z1);
   Cursor cursor;
   const auto beyond = query.find(x + probe_m * out_x, y + probe_m * out_y, z, cursor);
-  if (beyond && std::abs(beyond->z - z) <= same_level_m) return;
+  if (beyond && std::abs(beyond->z - z) <= level_of_borders_m) return;
   const auto blended = [&](double px, double py, double own_z) {
     Cursor inside{road, 0.0};
     const auto hit = query.find(px - probe_m * out_x, py - probe_m * out_y, own_z, inside);
-    return hit && std::abs(hit->z - own_z) <= same_level_m ? hit->z : own_z;
+    return hit && std::abs(hit->z - own_z) <= level_of_borders_m ? hit->z : own_z;
   };
   segment.z0 = blended(segment.x0, segment.y0, segment.z0);
   segment.z1 = blended(segment.x1, segment.y1, segment.z1);

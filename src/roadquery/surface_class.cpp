@@ -57,13 +57,13 @@ constexpr SurfaceName names[] = {
     {"woodchips", SurfaceClass::ground},
 };
 
-std::string lower(std::string_view text) {
+std::string lower_case(std::string_view text) {
   std::string result;
   for (const char c : text) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return result;
 }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_spaces(std::string_view text) {
   constexpr std::string_view space = " \t\r\n";
   const std::size_t begin = text.find_first_not_of(space);
   if (begin == std::string_view::npos) return {};
@@ -83,10 +83,11 @@ std::optional<SurfaceClass> class_of_one(std::string_view text) {
 const char* to_string(SurfaceClass surface) { return class_names.at(static_cast<std::size_t>(surface)); }
 
 std::optional<SurfaceClass> surface_class_of(std::string_view text) {
-  const std::string all = lower(text);
+  const std::string all = lower_case(text);
   for (std::size_t begin = 0; begin <= all.size();) {
     const std::size_t end = std::min(all.find(';', begin), all.size());
-    if (const auto surface = class_of_one(trimmed(std::string_view(all).substr(begin, end - begin)))) return surface;
+    if (const auto surface = class_of_one(without_spaces(std::string_view(all).substr(begin, end - begin))))
+      return surface;
     begin = end + 1;
   }
   return std::nullopt;

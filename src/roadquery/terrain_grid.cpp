@@ -15,7 +15,7 @@
 namespace roadquery {
 namespace {
 
-constexpr double most_cells = 1e9, farthest_m = 1e8;
+constexpr double most_terrain_cells = 1e9, farthest_corner_m = 1e8;
 
 /// Words of a file, with the line that the last one is on.
 class Words {
@@ -88,7 +88,7 @@ TerrainGrid grid_of(const Words& words, const std::map<std::string, double>& hea
     return found->second;
   };
   const double columns = value("ncols"), rows = value("nrows"), spacing_m = value("cellsize");
-  if (!(columns >= 1.0 && rows >= 1.0 && columns * rows <= most_cells) || columns != std::floor(columns) ||
+  if (!(columns >= 1.0 && rows >= 1.0 && columns * rows <= most_terrain_cells) || columns != std::floor(columns) ||
       rows != std::floor(rows))
     words.fail("ncols and nrows must be whole numbers from 1, their product at most a thousand million");
   if (!(spacing_m > 0.0)) words.fail("cellsize must be positive");
@@ -98,8 +98,8 @@ TerrainGrid grid_of(const Words& words, const std::map<std::string, double>& hea
                    static_cast<int>(columns),
                    static_cast<int>(rows),
                    {}};
-  if (!(std::abs(grid.west) + columns * spacing_m <= farthest_m &&
-        std::abs(grid.south) + rows * spacing_m <= farthest_m))
+  if (!(std::abs(grid.west) + columns * spacing_m <= farthest_corner_m &&
+        std::abs(grid.south) + rows * spacing_m <= farthest_corner_m))
     words.fail("the grid leaves the area where a CRS has coordinates");
   // Each height takes a digit and a blank at least: a header alone cannot ask for memory.
   if (columns * rows > 0.5 * static_cast<double>(words.size()) + 1.0)

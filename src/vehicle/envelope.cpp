@@ -14,8 +14,8 @@
 namespace vehicle {
 namespace {
 
-constexpr double least_load_n = 1.0;
-constexpr double rolling_reference_mps = 16.67;
+constexpr double least_wheel_load_n = 1.0;
+constexpr double reference_speed_mps = 16.67;
 constexpr int halvings = 6, most_rounds = 60;
 constexpr double most_mps2 = 100.0, solved_mps2 = 1e-7;
 
@@ -100,7 +100,7 @@ class SteadyState {
   }
 
   [[nodiscard]] TyreGrip grip(std::size_t wheel, double load_n) const {
-    return tyre_grip(tyre(wheel), std::max(load_n, least_load_n), 0.0, query_.friction);
+    return tyre_grip(tyre(wheel), std::max(load_n, least_wheel_load_n), 0.0, query_.friction);
   }
   [[nodiscard]] const Tyre& tyre(std::size_t wheel) const { return wheel < 2 ? car_.front_tyre : car_.rear_tyre; }
 
@@ -109,7 +109,7 @@ class SteadyState {
     const auto load = loads(along_mps2, lateral_mps2);
     const double share = axle == 0 ? car_.body.front_share : 1.0 - car_.body.front_share;
     const double able = grip(2 * axle, load[2 * axle]).dy_n + grip(2 * axle + 1, load[2 * axle + 1]).dy_n;
-    return share * car_.body.mass_kg * std::abs(lateral_mps2) / std::max(able, least_load_n);
+    return share * car_.body.mass_kg * std::abs(lateral_mps2) / std::max(able, least_wheel_load_n);
   }
 
   /// What the friction ellipse leaves to each wheel beside its share of the lateral acceleration, N.
@@ -149,7 +149,7 @@ class SteadyState {
 
   [[nodiscard]] double rolling_n(double along_mps2, double lateral_mps2) const {
     const auto load = loads(along_mps2, lateral_mps2);
-    const double relative = query_.speed_mps / rolling_reference_mps;
+    const double relative = query_.speed_mps / reference_speed_mps;
     const double fourth = relative * relative * relative * relative;
     double sum = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {

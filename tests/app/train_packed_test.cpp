@@ -13,7 +13,7 @@ namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path models = paths::in_source("models");
+const fs::path shipped_models = paths::in_source("models");
 
 ToolRun run_trainer(Arguments arguments) {
   arguments.insert(arguments.begin(), paths::trainer);
@@ -43,11 +43,11 @@ class TrainPacked : public testing::Test {
  protected:
   Scratch scratch;
   const fs::path experiment = scratch / "experiment.toml", pack = scratch / "data.safetensors",
-                 weights = models / "default.safetensors";
+                 weights = shipped_models / "default.safetensors";
 
   void SetUp() override {
     expect_done(run_tool({"-q", "synth", "-o", scratch / "site", "--size", "200", "--gsd", "0.5", "--seed", "3"}));
-    write_bytes(experiment, "network = \"" + (models / "networks" / "mobilenetv2-fpn.toml").string() +
+    write_bytes(experiment, "network = \"" + (shipped_models / "networks" / "mobilenetv2-fpn.toml").string() +
                                 "\"\nweights = [\"" + weights.string() + R"("]
 [train]
 steps = 3

@@ -47,7 +47,7 @@ class Server {
       : out_(tiny.scratch / "server_out"),
         child_(start_program({paths::tool, "view", tiny.site, "--port", "0", "--no-open"}, out_,
                              tiny.scratch / "server_err")) {
-    for (int i = 0; i < 200 && address().find('\n') == std::string::npos; ++i)
+    for (int i = 0; i < 6000 && address().find('\n') == std::string::npos; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   ~Server() {
@@ -361,7 +361,7 @@ TEST(View, bounds_what_a_client_can_take) {
   for (bool answered = false; !answered;) {
     const auto response = server.get("/");
     answered = response && response->status == 200;
-    ASSERT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    ASSERT_LT(std::chrono::steady_clock::now() - start, std::chrono::minutes(5));
   }
 }
 

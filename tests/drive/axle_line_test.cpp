@@ -19,7 +19,7 @@ using namespace test;
 constexpr double wheelbase_m = 2.6;
 
 /// A point every half metre of a circle to the left.
-DrivingLine circle(double radius_m) {
+DrivingLine circle_line(double radius_m) {
   const int n = static_cast<int>(std::lround(4.0 * std::numbers::pi * radius_m));
   std::vector<Vec2> points;
   for (int i = 0; i < n; ++i) {
@@ -31,7 +31,7 @@ DrivingLine circle(double radius_m) {
 
 TEST(AxleLine, on_a_circle_the_rear_axle_runs_within_and_the_front_axle_without) {
   for (const double radius_m : {4.0, 8.0, 50.0}) {
-    const DrivingLine line = circle(radius_m);
+    const DrivingLine line = circle_line(radius_m);
     const std::vector<double> heading = car_headings(line, wheelbase_m);
     const DrivingLine front = front_axle_line(line, wheelbase_m, heading);
     const double rear_m = std::sqrt(radius_m * radius_m - 0.25 * wheelbase_m * wheelbase_m);
@@ -46,7 +46,7 @@ TEST(AxleLine, on_a_circle_the_rear_axle_runs_within_and_the_front_axle_without)
 
 TEST(AxleLine, strays_on_a_circle_are_what_the_axles_run_within_and_without) {
   const double radius_m = 8.0;
-  const DrivingLine line = circle(radius_m);
+  const DrivingLine line = circle_line(radius_m);
   const AxleStrays stray = axle_strays(line, wheelbase_m, car_headings(line, wheelbase_m));
   const double rear_m = std::sqrt(radius_m * radius_m - 0.25 * wheelbase_m * wheelbase_m);
   for (std::size_t i = 10; i + 10 < line.points.size(); ++i) {
@@ -56,7 +56,7 @@ TEST(AxleLine, strays_on_a_circle_are_what_the_axles_run_within_and_without) {
 }
 
 TEST(AxleLine, slip_of_the_rear_tyres_turns_the_car_inwards_by_as_much) {
-  const DrivingLine line = circle(50.0);
+  const DrivingLine line = circle_line(50.0);
   const std::vector<double> rolling = car_headings(line, wheelbase_m);
   const std::vector<double> sliding = car_headings(line, wheelbase_m, std::vector<double>(line.points.size(), 0.05));
   for (std::size_t i = 0; i < rolling.size(); ++i) ASSERT_NEAR(sliding[i] - rolling[i], 0.05, 1e-3);
@@ -78,8 +78,8 @@ TEST(SteeringLimits, the_front_axle_bounds_the_speed_and_near_the_stop_the_car_c
   const EnvelopeTable envelope(car);
   const double tightest_m = 1.0 / full_lock_curvature_1pm(car), half_m = 0.5 * car.body.wheelbase_m;
   for (const double radius_m : {1.02 * tightest_m, 2.0 * tightest_m, 50.0}) {
-    std::vector<double> legal_mps(circle(radius_m).points.size(), 30.0);
-    slow_down_to_steer(car, envelope, circle(radius_m), 4.0, legal_mps);
+    std::vector<double> legal_mps(circle_line(radius_m).points.size(), 30.0);
+    slow_down_to_steer(car, envelope, circle_line(radius_m), 4.0, legal_mps);
     // v_front^2 / R_front = 4 m/s2, and both go round in the same time.
     const double front_m = std::sqrt(radius_m * radius_m + 3.0 * half_m * half_m);
     const double expected_mps = radius_m < 1.5 * tightest_m ? 2.0 : std::sqrt(4.0 / front_m) * radius_m;

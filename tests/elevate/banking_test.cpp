@@ -19,16 +19,16 @@ namespace {
 
 using namespace elevate;
 
-using Terrain = std::function<double(double x, double y)>;
-const Crs crs{"EPSG:32633"};
+using Slope = std::function<double(double x, double y)>;
+const Crs banked_crs{"EPSG:32633"};
 constexpr double pi = std::numbers::pi;
-constexpr double nan_height = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_height = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean of the terrain over each pixel (4 x 4 points), with independent noise.
-HeightGrid make_dtm(const Terrain& z, double gsd_m, double noise_m = 0.0, std::uint64_t seed = 1,
-                    double size_m = 600.0) {
+HeightGrid banked_dtm(const Slope& z, double gsd_m, double noise_m = 0.0, std::uint64_t seed = 1,
+                      double size_m = 600.0) {
   const int n = static_cast<int>(size_m / gsd_m);
-  HeightGrid grid{crs, {-50.0, size_m - 50.0, gsd_m, n, n}, Raster<float>(n, n)};
+  HeightGrid grid{banked_crs, {-50.0, size_m - 50.0, gsd_m, n, n}, Raster<float>(n, n)};
   Random random(seed);
   for (int row = 0; row < n; ++row)
     for (int col = 0; col < n; ++col) {
@@ -51,8 +51,8 @@ double bed(double t, double slope, double crown = 0.0) {
 }
 
 /// Nodes every 2 m along a curve; heights and gradients as given along it.
-RoadPath make_path(std::int64_t osm_id, const Polyline& line, const Terrain& z,
-                   const std::string& highway = "residential", std::int64_t node_a = 0, std::int64_t node_b = 0) {
+RoadPath banked_path(std::int64_t osm_id, const Polyline& line, const Slope& z,
+                     const std::string& highway = "residential", std::int64_t node_a = 0, std::int64_t node_b = 0) {
   RoadPath path;
   path.osm_id = osm_id, path.highway = highway;
   const std::vector<double> s = arc_lengths_m(line);
@@ -85,14 +85,14 @@ Polyline reversed(Polyline line) {
   std::reverse(line.begin(), line.end());
   return line;
 }
-RoadNetwork network(std::vector<RoadPath> paths) { return {crs, std::move(paths)}; }
+RoadNetwork banked_network(std::vector<RoadPath> paths) { return {banked_crs, std::move(paths)}; }
 EstimateBankingResult measure(std::vector<RoadPath> paths, const HeightGrid& dtm, const BankingOptions& options = {}) {
-  return estimate_banking(network(std::move(paths)), std::span(&dtm, 1), options);
+  return estimate_banking(banked_network(std::move(paths)), std::span(&dtm, 1), options);
 }
 EstimateBankingResult design(std::vector<RoadPath> paths, const BankingOptions& options = {}) {
-  return estimate_banking(network(std::move(paths)), {}, options);
+  return estimate_banking(banked_network(std::move(paths)), {}, options);
 }
-std::vector<std::string> codes(const Findings& findings) {
+std::vector<std::string> codes_in_order(const Findings& findings) {
   std::vector<std::string> result;
   for (const Finding& finding : findings) result.push_back(finding.code);
   return result;
@@ -112,7 +112,7 @@ Errors against(const RoadPath& path, const std::function<double(const RoadNode&)
 double slope_of(const RoadNode& node) { return std::tan(node.banking); }
 double crown_of(const RoadNode& node) { return std::tan(node.crown); }
 
-const Terrain flat = [](double, double) { return 20.0; };
+const Slope flat = [](double, double) { return 20.0; };
 
 /// A straight road across the rows of the grid (along them, a grid of 2 m has two rows of pixels on the road and shows
 /// no crown).
@@ -123,14 +123,14 @@ double slant_t(double x, double y) { return cross(normalized(slant_end - slant_b
 
 TEST(Banking, bend_falls_to_the_inside_with_opendrives_sign) {
   const Vec2 centre{250, 250};
-  const Terrain z = [&](double x, double y) {
+  const Slope z = [&](double x, double y) {
     return 30.0 + bed(100.0 - distance({x, y}, centre), -0.05);
   };  // t: left is the centre
   for (const double gsd_m : {1.0, 2.0}) {
-    const HeightGrid dtm = make_dtm(z, gsd_m, 0.03);
-    const auto left = measure({make_path(1, arc(centre, 100.0, 0.0, pi), z)}, dtm).roads.paths[0];
+    const HeightGrid dtm = banked_dtm(z, gsd_m, 0.03);
+    const auto left = measure({banked_path(1, arc(centre, 100.0, 0.0, pi), z)}, dtm).roads.paths[0];
     EXPECT_LT(against(left, slope_of, -0.05).mean, 0.003) << gsd_m;  // a left bend: the right side is higher
-    const auto right = measure({make_path(1, arc(centre, 100.0, pi, 0.0), z)}, dtm).roads.paths[0];
+    const auto right = measure({banked_path(1, arc(centre, 100.0, pi, 0.0), z)}, dtm).roads.paths[0];
     EXPECT_LT(against(right, slope_of, 0.05).mean, 0.003) << gsd_m;
     for (const RoadNode& node : left.nodes) {
       EXPECT_EQ(node.banking_source, BankingSource::dtm);
@@ -141,18 +141,16 @@ TEST(Banking, bend_falls_to_the_inside_with_opendrives_sign) {
 }
 
 TEST(Banking, slope_and_hills_of_the_profile_are_no_banking) {
-  const Terrain z = [](double x, double y) {
-    return 30.0 + 0.08 * x + 2.0 * std::sin(x / 25.0) + bed(y - 100.0, 0.03);
-  };
-  const auto result = measure({make_path(1, straight({0, 100}, {400, 100}), z)}, make_dtm(z, 2.0, 0.02));
+  const Slope z = [](double x, double y) { return 30.0 + 0.08 * x + 2.0 * std::sin(x / 25.0) + bed(y - 100.0, 0.03); };
+  const auto result = measure({banked_path(1, straight({0, 100}, {400, 100}), z)}, banked_dtm(z, 2.0, 0.02));
   EXPECT_LT(against(result.roads.paths[0], slope_of, 0.03).mean, 0.003);
 }
 
 TEST(Banking, sigmas_hold) {
   std::vector<double> ratios;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Terrain z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.02); };
-    const auto result = measure({make_path(1, straight(slant_begin, slant_end), z)}, make_dtm(z, 2.0, 0.05, seed));
+    const Slope z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.02); };
+    const auto result = measure({banked_path(1, straight(slant_begin, slant_end), z)}, banked_dtm(z, 2.0, 0.05, seed));
     for (const RoadNode& node : result.roads.paths[0].nodes)
       ratios.push_back((slope_of(node) - 0.02) / node.sigma_banking);
   }
@@ -165,8 +163,9 @@ TEST(Banking, sigmas_hold) {
 TEST(Banking, crown_is_found_in_noise) {
   for (const double gsd_m : {1.0, 2.0})
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Terrain z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.0, 0.025); };
-      const auto result = measure({make_path(1, straight(slant_begin, slant_end), z)}, make_dtm(z, gsd_m, 0.05, seed));
+      const Slope z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.0, 0.025); };
+      const auto result =
+          measure({banked_path(1, straight(slant_begin, slant_end), z)}, banked_dtm(z, gsd_m, 0.05, seed));
       EXPECT_LT(against(result.roads.paths[0], crown_of, 0.025).mean, gsd_m < 1.5 ? 0.005 : 0.010)
           << gsd_m << " seed " << seed;
       EXPECT_LT(against(result.roads.paths[0], slope_of, 0.0).mean, 0.006) << gsd_m << " seed " << seed;
@@ -176,20 +175,21 @@ TEST(Banking, crown_is_found_in_noise) {
 TEST(Banking, noise_makes_no_crown) {
   for (const double gsd_m : {0.5, 1.0, 2.0})
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-      const Terrain z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.025); };
-      const auto result = measure({make_path(1, straight(slant_begin, slant_end), z)}, make_dtm(z, gsd_m, 0.05, seed));
+      const Slope z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.025); };
+      const auto result =
+          measure({banked_path(1, straight(slant_begin, slant_end), z)}, banked_dtm(z, gsd_m, 0.05, seed));
       EXPECT_EQ(against(result.roads.paths[0], crown_of, 0.0).worst, 0.0) << gsd_m << " seed " << seed;
     }
 }
 
 TEST(Banking, roof_turns_into_a_plane) {
   // A crowned straight whose outer half turns up into a banked stretch.
-  const Terrain z = [](double x, double y) {
+  const Slope z = [](double x, double y) {
     const double f = std::clamp((x - 180.0) / 40.0, 0.0, 1.0);
     return 30.0 + bed(y - 100.0, 0.04 * f, 0.025 * (1.0 - f));
   };
   const auto nodes =
-      measure({make_path(1, straight({0, 100}, {400, 100}), z)}, make_dtm(z, 1.0, 0.03)).roads.paths[0].nodes;
+      measure({banked_path(1, straight({0, 100}, {400, 100}), z)}, banked_dtm(z, 1.0, 0.03)).roads.paths[0].nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     EXPECT_NEAR(crown_of(nodes[i]), nodes[i].p.x < 200.0 ? 0.025 : 0.0,
                 std::abs(nodes[i].p.x - 200.0) < 50.0 ? 0.025 : 0.008)
@@ -201,24 +201,24 @@ TEST(Banking, roof_turns_into_a_plane) {
 
 TEST(Banking, kerbs_walls_and_heaps_do_not_tilt_the_road) {
   // A wall of 2 m for 30 m along one edge, reaching 1 m into the road; a heap of 1 m on the other half.
-  const Terrain z = [](double x, double y) {
+  const Slope z = [](double x, double y) {
     const double t = y - 100.0;
     if (t > 2.5 && x > 150 && x < 180) return 32.0;
     if (t < -0.5 && t > -3.0 && x > 250 && x < 254) return 31.0;
     return 30.0 + bed(t, 0.02);
   };
-  const Terrain road = [](double, double y) { return 30.0 + bed(y - 100.0, 0.02); };
-  const auto result = measure({make_path(1, straight({0, 100}, {400, 100}), road)}, make_dtm(z, 1.0, 0.03));
+  const Slope road = [](double, double y) { return 30.0 + bed(y - 100.0, 0.02); };
+  const auto result = measure({banked_path(1, straight({0, 100}, {400, 100}), road)}, banked_dtm(z, 1.0, 0.03));
   EXPECT_LT(against(result.roads.paths[0], slope_of, 0.02).worst, 0.012);
 }
 
 TEST(Banking, ways_in_a_row_are_one_road_and_against_it_the_sign_changes) {
   const Vec2 centre{250, 250};
-  const Terrain z = [&](double x, double y) { return 30.0 + bed(100.0 - distance({x, y}, centre), -0.04); };
-  const auto paths = measure({make_path(1, arc(centre, 100.0, 0.0, 1.0), z, "tertiary", 1, 2),
-                              make_path(2, reversed(arc(centre, 100.0, 1.0, 2.0)), z, "tertiary", 3, 2),
-                              make_path(3, arc(centre, 100.0, 2.0, 3.0), z, "tertiary", 3, 4)},
-                             make_dtm(z, 2.0, 0.03))
+  const Slope z = [&](double x, double y) { return 30.0 + bed(100.0 - distance({x, y}, centre), -0.04); };
+  const auto paths = measure({banked_path(1, arc(centre, 100.0, 0.0, 1.0), z, "tertiary", 1, 2),
+                              banked_path(2, reversed(arc(centre, 100.0, 1.0, 2.0)), z, "tertiary", 3, 2),
+                              banked_path(3, arc(centre, 100.0, 2.0, 3.0), z, "tertiary", 3, 4)},
+                             banked_dtm(z, 2.0, 0.03))
                          .roads.paths;
   EXPECT_EQ(paths[0].nodes.back().banking, -paths[1].nodes.back().banking);
   EXPECT_EQ(paths[1].nodes.front().banking, -paths[2].nodes.front().banking);
@@ -229,17 +229,17 @@ TEST(Banking, ways_in_a_row_are_one_road_and_against_it_the_sign_changes) {
 
 TEST(Banking, closed_way_has_no_seam) {
   const Vec2 centre{250, 250};
-  const Terrain z = [&](double x, double y) {
+  const Slope z = [&](double x, double y) {
     const double angle = std::atan2(y - centre.y, x - centre.x);
     return 30.0 + bed(100.0 - distance({x, y}, centre), -0.04 + 0.02 * std::cos(angle));
   };
-  const HeightGrid dtm = make_dtm(z, 2.0, 0.03);
+  const HeightGrid dtm = banked_dtm(z, 2.0, 0.03);
   const Polyline line = arc(centre, 100.0, 0.0, 2.0 * pi);
-  const auto at_zero = measure({make_path(1, line, z, "raceway", 5, 5)}, dtm).roads.paths[0].nodes;
+  const auto at_zero = measure({banked_path(1, line, z, "raceway", 5, 5)}, dtm).roads.paths[0].nodes;
   EXPECT_EQ(at_zero.front().banking, at_zero.back().banking);
   Polyline turned(line.begin() + 60, line.end());
   turned.insert(turned.end(), line.begin() + 1, line.begin() + 61);
-  const auto at_sixty = measure({make_path(1, turned, z, "raceway", 5, 5)}, dtm).roads.paths[0].nodes;
+  const auto at_sixty = measure({banked_path(1, turned, z, "raceway", 5, 5)}, dtm).roads.paths[0].nodes;
   EXPECT_EQ(at_sixty.front().banking, at_sixty.back().banking);
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
     const std::size_t k = i >= 60 ? i - 60 : i - 60 + line.size() - 1;
@@ -250,13 +250,13 @@ TEST(Banking, closed_way_has_no_seam) {
 
 TEST(Banking, bridges_go_on_over_what_lies_below) {
   // A ravine across; terrain on the deck's place slopes the wrong way.
-  const Terrain road = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
-  const Terrain z = [&](double x, double y) { return x > 176 && x < 224 ? 20.0 - 0.3 * (y - 100.0) : road(x, y); };
-  RoadPath bridge = make_path(2, straight({180, 100}, {220, 100}), road, "tertiary", 2, 3);
+  const Slope road = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
+  const Slope z = [&](double x, double y) { return x > 176 && x < 224 ? 20.0 - 0.3 * (y - 100.0) : road(x, y); };
+  RoadPath bridge = banked_path(2, straight({180, 100}, {220, 100}), road, "tertiary", 2, 3);
   bridge.bridge = true, bridge.layer = 1;
-  const auto result = measure({make_path(1, straight({0, 100}, {180, 100}), road, "tertiary", 1, 2), bridge,
-                               make_path(3, straight({220, 100}, {400, 100}), road, "tertiary", 3, 4)},
-                              make_dtm(z, 2.0, 0.02));
+  const auto result = measure({banked_path(1, straight({0, 100}, {180, 100}), road, "tertiary", 1, 2), bridge,
+                               banked_path(3, straight({220, 100}, {400, 100}), road, "tertiary", 3, 4)},
+                              banked_dtm(z, 2.0, 0.02));
   for (const RoadPath& path : result.roads.paths) EXPECT_LT(against(path, slope_of, 0.03).worst, 0.012) << path.osm_id;
   EXPECT_EQ(result.roads.paths[1].nodes[10].banking_source, BankingSource::interpolated);
   EXPECT_GT(result.roads.paths[1].nodes[10].sigma_banking, 1.5 * result.roads.paths[0].nodes[40].sigma_banking);
@@ -264,24 +264,24 @@ TEST(Banking, bridges_go_on_over_what_lies_below) {
 
 TEST(Banking, roads_beside_and_above_do_not_count) {
   // A higher road runs beside, 1 m from edge to edge; a bridge passes over.
-  const Terrain z = [](double, double y) { return y > 103.9 ? 33.0 : 30.0 + bed(y - 100.0, 0.0); };
-  RoadPath beside = make_path(2, straight({0, 107.6}, {400, 107.6}), [](double, double) { return 33.0; });
-  const auto result = measure({make_path(1, straight({0, 100}, {400, 100}), flat), beside}, make_dtm(z, 1.0, 0.02));
+  const Slope z = [](double, double y) { return y > 103.9 ? 33.0 : 30.0 + bed(y - 100.0, 0.0); };
+  RoadPath beside = banked_path(2, straight({0, 107.6}, {400, 107.6}), [](double, double) { return 33.0; });
+  const auto result = measure({banked_path(1, straight({0, 100}, {400, 100}), flat), beside}, banked_dtm(z, 1.0, 0.02));
   EXPECT_LT(against(result.roads.paths[0], slope_of, 0.0).mean, 0.006);
 }
 
 TEST(Banking, side_road_runs_out_into_the_plane_of_the_main_road) {
   // The main road rises by 6 % to the east and falls by 4 % to the north: going north, the side road leans to its left
   // (west).
-  const Terrain z = [](double x, double y) { return 30.0 + 0.06 * x - 0.04 * std::clamp(y - 100.0, -half_m, half_m); };
-  RoadPath main = make_path(1, straight({0, 100}, {400, 100}), z, "secondary");
+  const Slope z = [](double x, double y) { return 30.0 + 0.06 * x - 0.04 * std::clamp(y - 100.0, -half_m, half_m); };
+  RoadPath main = banked_path(1, straight({0, 100}, {400, 100}), z, "secondary");
   main.nodes[100].osm_node = 7;
   const auto side = straight({200, 100}, {200, 250});
-  const Terrain level = [&](double, double y) { return z(200.0, y); };
+  const Slope level = [&](double, double y) { return z(200.0, y); };
   for (const bool fine : {true, false}) {
     const HeightGrid dtm =
-        make_dtm([&](double x, double y) { return y > 104.0 ? level(x, y) : z(x, y); }, fine ? 1.0 : 10.0, 0.02);
-    const auto paths = measure({main, make_path(2, side, level, "residential", 7)}, dtm).roads.paths;
+        banked_dtm([&](double x, double y) { return y > 104.0 ? level(x, y) : z(x, y); }, fine ? 1.0 : 10.0, 0.02);
+    const auto paths = measure({main, banked_path(2, side, level, "residential", 7)}, dtm).roads.paths;
     EXPECT_NEAR(slope_of(paths[1].nodes.front()), -0.06, 0.004) << fine;  // the left of north is west, which is lower
     EXPECT_NEAR(slope_of(paths[1].nodes[1]), -0.06, 0.012) << fine;
     EXPECT_NEAR(slope_of(paths[1].nodes[40]), 0.0, 0.01) << fine;
@@ -293,12 +293,12 @@ TEST(Banking, side_road_runs_out_into_the_plane_of_the_main_road) {
 
 TEST(BankingDesign, side_roads_of_steep_roads_turn_back_without_a_jump) {
   // The main road rises by 19 %: after 20 m the side road still leans by 5 %.
-  const Terrain z = [](double x, double) { return 30.0 + 0.19 * x; };
-  RoadPath main = make_path(1, straight({0, 100}, {200, 100}), z, "secondary");
+  const Slope z = [](double x, double) { return 30.0 + 0.19 * x; };
+  RoadPath main = banked_path(1, straight({0, 100}, {200, 100}), z, "secondary");
   main.nodes[50].osm_node = 7;
-  const Terrain level = [&](double, double y) { return z(100.0, y); };
+  const Slope level = [&](double, double y) { return z(100.0, y); };
   const auto paths =
-      design({main, make_path(2, straight({100, 100}, {100, 250}), level, "residential", 7)}).roads.paths;
+      design({main, banked_path(2, straight({100, 100}, {100, 250}), level, "residential", 7)}).roads.paths;
   EXPECT_NEAR(slope_of(paths[1].nodes.front()), -0.19, 0.004);
   EXPECT_NEAR(slope_of(paths[1].nodes[40]), 0.0, 1e-3);
   for (std::size_t i = 1; i < paths[1].nodes.size(); ++i)
@@ -308,11 +308,11 @@ TEST(BankingDesign, side_roads_of_steep_roads_turn_back_without_a_jump) {
 TEST(BankingDesign, planes_beside_each_other_make_no_swing) {
   // Side roads meet a level road 2 m apart: its planes there fall by 0.2 % to the south and 3.1 % to the north.
   const double y0 = 100.0;
-  RoadPath main = make_path(1, straight({0, y0}, {400, y0}), flat, "secondary");
+  RoadPath main = banked_path(1, straight({0, y0}, {400, y0}), flat, "secondary");
   main.nodes[100].osm_node = 7, main.nodes[101].osm_node = 8;
-  const auto north = make_path(
+  const auto north = banked_path(
       2, straight({200, y0}, {200, 200}), [&](double, double y) { return 20.0 + 0.002 * (y - y0); }, "service", 7);
-  const auto south = make_path(
+  const auto south = banked_path(
       3, straight({202, y0}, {202, 0}), [&](double, double y) { return 20.0 - 0.031 * (y - y0); }, "service", 8);
   const auto path = design({main, north, south}, {.in_junction_planes = true}).roads.paths[0];
   for (std::size_t i = 0; i < path.nodes.size(); ++i) {
@@ -323,11 +323,11 @@ TEST(BankingDesign, planes_beside_each_other_make_no_swing) {
 
 TEST(BankingDesign, roads_stay_in_the_plane_of_a_junction_while_they_lie_beside_each_other) {
   // A level side road leaves a bend of 12 m that the design banks by 6 %.
-  RoadPath bend = make_path(1, arc({100, 100}, 12.0, -pi, pi / 2), flat, "tertiary");
+  RoadPath bend = banked_path(1, arc({100, 100}, 12.0, -pi, pi / 2), flat, "tertiary");
   RoadNode& node = bend.nodes[bend.nodes.size() / 2];
   node.osm_node = 7;
   const Vec2 out = normalized(node.p - Vec2{100, 100});
-  const auto path = design({bend, make_path(2, straight(node.p, node.p + out * 60.0), flat, "service", 7)},
+  const auto path = design({bend, banked_path(2, straight(node.p, node.p + out * 60.0), flat, "service", 7)},
                            {.in_junction_planes = true})
                         .roads.paths[0];
   for (const RoadNode& at : path.nodes) {
@@ -339,41 +339,41 @@ TEST(BankingDesign, roads_stay_in_the_plane_of_a_junction_while_they_lie_beside_
 }
 
 TEST(Banking, more_than_roads_have_is_cut_and_reported) {
-  const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.14); };
-  const HeightGrid dtm = make_dtm(z, 1.0, 0.02);
-  const auto street = measure({make_path(1, straight({0, 100}, {300, 100}), z)}, dtm);
-  EXPECT_THAT(codes(street.findings), testing::ElementsAre("elevate.banking_limit"));
+  const Slope z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.14); };
+  const HeightGrid dtm = banked_dtm(z, 1.0, 0.02);
+  const auto street = measure({banked_path(1, straight({0, 100}, {300, 100}), z)}, dtm);
+  EXPECT_THAT(codes_in_order(street.findings), testing::ElementsAre("elevate.banking_limit"));
   EXPECT_LT(against(street.roads.paths[0], slope_of, 0.08).worst, 1e-9);
-  const auto oval = measure({make_path(1, straight({0, 100}, {300, 100}), z, "raceway")}, dtm);
+  const auto oval = measure({banked_path(1, straight({0, 100}, {300, 100}), z, "raceway")}, dtm);
   EXPECT_TRUE(oval.findings.empty());
   EXPECT_LT(against(oval.roads.paths[0], slope_of, 0.14).mean, 0.004);
 }
 
 TEST(Banking, the_first_fine_terrain_with_pixels_counts) {
-  const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
-  const Terrain wrong = [](double, double y) { return 30.0 + bed(y - 100.0, -0.06); };
-  const std::vector<HeightGrid> dtms{make_dtm([&](double x, double y) { return x < 200 ? z(x, y) : nan_height; }, 1.0),
-                                     make_dtm(wrong, 1.0)};
+  const Slope z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
+  const Slope wrong = [](double, double y) { return 30.0 + bed(y - 100.0, -0.06); };
+  const std::vector<HeightGrid> dtms{banked_dtm([&](double x, double y) { return x < 200 ? z(x, y) : no_height; }, 1.0),
+                                     banked_dtm(wrong, 1.0)};
   const auto nodes =
-      estimate_banking(network({make_path(1, straight({0, 100}, {400, 100}), z)}), dtms).roads.paths[0].nodes;
+      estimate_banking(banked_network({banked_path(1, straight({0, 100}, {400, 100}), z)}), dtms).roads.paths[0].nodes;
   EXPECT_NEAR(slope_of(nodes[40]), 0.03, 0.003);
   EXPECT_NEAR(slope_of(nodes[170]), -0.06, 0.003);
 }
 
 TEST(Banking, one_thread_equals_many_where_roads_wait_for_others) {
-  const Terrain z = [](double x, double y) { return 30.0 + 0.16 * (y - 100.0) + 0.05 * std::sin(0.03 * x); };
-  const HeightGrid dtm = make_dtm(z, 1.0, 0.02);
+  const Slope z = [](double x, double y) { return 30.0 + 0.16 * (y - 100.0) + 0.05 * std::sin(0.03 * x); };
+  const HeightGrid dtm = banked_dtm(z, 1.0, 0.02);
   // Side streets of side streets: each needs the plane of the one before it.
-  std::vector<RoadPath> paths{make_path(1, straight({0, 100}, {400, 100}), z, "primary", 1, 2)};
+  std::vector<RoadPath> paths{banked_path(1, straight({0, 100}, {400, 100}), z, "primary", 1, 2)};
   const auto join = [&](std::size_t path, std::size_t at, std::int64_t id) { paths[path].nodes[at].osm_node = id; };
   for (int k = 0; k < 6; ++k) {
     join(0, static_cast<std::size_t>(20 + 30 * k), 10 + k);
     const double x = 40.0 + 60.0 * k;
-    paths.push_back(make_path(10 + k, straight({x, 100}, {x, 180}), z, "tertiary", 10 + k, 20 + k));
+    paths.push_back(banked_path(10 + k, straight({x, 100}, {x, 180}), z, "tertiary", 10 + k, 20 + k));
     join(paths.size() - 1, 20, 30 + k);
-    paths.push_back(make_path(20 + k, straight({x, 140}, {x + 40, 140}), z, "residential", 30 + k, 40 + k));
+    paths.push_back(banked_path(20 + k, straight({x, 140}, {x + 40, 140}), z, "residential", 30 + k, 40 + k));
     join(paths.size() - 1, 10, 50 + k);
-    paths.push_back(make_path(30 + k, straight({x + 20, 140}, {x + 20, 170}), z, "service", 50 + k, 60 + k));
+    paths.push_back(banked_path(30 + k, straight({x + 20, 140}, {x + 20, 170}), z, "service", 50 + k, 60 + k));
   }
   BankingOptions options{.threads = 1};
   const auto one = measure(paths, dtm, options);
@@ -395,10 +395,10 @@ TEST(Banking, one_thread_equals_many_where_roads_wait_for_others) {
 }
 
 TEST(Banking, holes_are_bridged_and_long_ones_follow_the_design) {
-  const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
+  const Slope z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
   const HeightGrid dtm =
-      make_dtm([&](double x, double y) { return (x > 60 && x < 100) || x > 250 ? nan_height : z(x, y); }, 1.0, 0.02);
-  const auto nodes = measure({make_path(1, straight({0, 100}, {500, 100}), z)}, dtm).roads.paths[0].nodes;
+      banked_dtm([&](double x, double y) { return (x > 60 && x < 100) || x > 250 ? no_height : z(x, y); }, 1.0, 0.02);
+  const auto nodes = measure({banked_path(1, straight({0, 100}, {500, 100}), z)}, dtm).roads.paths[0].nodes;
   EXPECT_EQ(nodes[40].banking_source, BankingSource::interpolated);
   EXPECT_NEAR(slope_of(nodes[40]), 0.03, 0.008);
   EXPECT_EQ(nodes[220].banking_source, BankingSource::design);
@@ -409,10 +409,10 @@ TEST(Banking, holes_are_bridged_and_long_ones_follow_the_design) {
 // ---- designed
 
 TEST(BankingDesign, straights_have_a_crown_and_one_way_roads_fall_outwards) {
-  RoadPath one_way = make_path(2, straight({0, 200}, {200, 200}), flat, "secondary");
+  RoadPath one_way = banked_path(2, straight({0, 200}, {200, 200}), flat, "secondary");
   one_way.oneway = Oneway::forward;
-  const auto paths = design({make_path(1, straight({0, 100}, {200, 100}), flat), one_way,
-                             make_path(3, straight({0, 300}, {200, 300}), flat, "raceway")})
+  const auto paths = design({banked_path(1, straight({0, 100}, {200, 100}), flat), one_way,
+                             banked_path(3, straight({0, 300}, {200, 300}), flat, "raceway")})
                          .roads.paths;
   EXPECT_LT(against(paths[0], slope_of, 0.0).worst, 1e-6);
   EXPECT_LT(against(paths[0], crown_of, 0.025).worst, 1e-3);
@@ -428,8 +428,9 @@ TEST(BankingDesign, straights_have_a_crown_and_one_way_roads_fall_outwards) {
 }
 
 TEST(BankingDesign, coarse_terrain_does_not_count) {
-  const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.05); };
-  const auto nodes = measure({make_path(1, straight({0, 100}, {200, 100}), z)}, make_dtm(z, 10.0)).roads.paths[0].nodes;
+  const Slope z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.05); };
+  const auto nodes =
+      measure({banked_path(1, straight({0, 100}, {200, 100}), z)}, banked_dtm(z, 10.0)).roads.paths[0].nodes;
   EXPECT_EQ(nodes[50].banking_source, BankingSource::design);
   EXPECT_EQ(slope_of(nodes[50]), 0.0);
 }
@@ -440,7 +441,7 @@ TEST(BankingDesign, bends_are_banked_to_the_inside_over_a_gentle_transition) {
   line.insert(line.end(), bend.begin() + 1, bend.end());
   line.insert(line.end(), out.begin() + 1, out.end());
   for (const bool turned : {false, true}) {
-    const auto nodes = design({make_path(1, turned ? reversed(line) : line, flat, "secondary")}).roads.paths[0].nodes;
+    const auto nodes = design({banked_path(1, turned ? reversed(line) : line, flat, "secondary")}).roads.paths[0].nodes;
     const RoadNode& apex = nodes[nodes.size() / 2];
     const double e = curve_banking(curve_rule("secondary"), 1.0 / 200.0);
     EXPECT_GT(e, 0.05);
@@ -458,7 +459,7 @@ TEST(BankingDesign, bends_are_banked_to_the_inside_over_a_gentle_transition) {
 }
 
 TEST(BankingDesign, roundabouts_fall_outwards) {
-  RoadPath ring = make_path(1, arc({100, 100}, 15.0, 0.0, 2.0 * pi), flat, "tertiary", 5, 5);
+  RoadPath ring = banked_path(1, arc({100, 100}, 15.0, 0.0, 2.0 * pi), flat, "tertiary", 5, 5);
   ring.oneway = Oneway::forward, ring.roundabout = true;
   EXPECT_LT(against(design({ring}).roads.paths[0], slope_of, 0.025).worst, 1e-3);  // left is the island: higher
 }
@@ -495,15 +496,15 @@ TEST(BankingDesign, curve_banking_grows_with_curvature_and_with_friction_balance
 // ---- what must always hold
 
 TEST(Banking, degenerate_ways) {
-  RoadPath dot = make_path(1, {{10, 10}, {10, 10}}, flat),
-           loop = make_path(2, {{50, 50}, {52, 50}}, flat, "service", 8, 8);
-  RoadPath pair = make_path(3, {{90, 90}, {120, 90}}, flat),
-           tunnel = make_path(4, straight({150, 150}, {190, 150}), flat);
+  RoadPath dot = banked_path(1, {{10, 10}, {10, 10}}, flat),
+           loop = banked_path(2, {{50, 50}, {52, 50}}, flat, "service", 8, 8);
+  RoadPath pair = banked_path(3, {{90, 90}, {120, 90}}, flat),
+           tunnel = banked_path(4, straight({150, 150}, {190, 150}), flat);
   tunnel.tunnel = true;
-  RoadPath unknown = make_path(5, straight({0, 200}, {100, 200}), [](double, double) { return nan_height; });
-  RoadPath triangle = make_path(6, {{200, 200}, {230, 200}, {215, 220}, {200, 200}}, flat, "service", 9, 9);
+  RoadPath unknown = banked_path(5, straight({0, 200}, {100, 200}), [](double, double) { return no_height; });
+  RoadPath triangle = banked_path(6, {{200, 200}, {230, 200}, {215, 220}, {200, 200}}, flat, "service", 9, 9);
   for (const auto& result : {design({dot, loop, pair, tunnel, unknown, triangle}),
-                             measure({dot, loop, pair, tunnel, unknown, triangle}, make_dtm(flat, 1.0))})
+                             measure({dot, loop, pair, tunnel, unknown, triangle}, banked_dtm(flat, 1.0))})
     for (const RoadPath& path : result.roads.paths)
       for (const RoadNode& node : path.nodes) {
         EXPECT_TRUE(std::isfinite(node.banking) && std::isfinite(node.sigma_banking)) << path.osm_id;
@@ -513,11 +514,11 @@ TEST(Banking, degenerate_ways) {
 }
 
 TEST(Banking, wrong_input_is_refused) {
-  HeightGrid other = make_dtm(flat, 2.0);
+  HeightGrid other = banked_dtm(flat, 2.0);
   other.crs = {"EPSG:32634"};
-  EXPECT_THROW((void)measure({make_path(1, straight({0, 0}, {50, 0}), flat)}, other), OptionError);
-  EXPECT_THROW((void)design({make_path(1, straight({0, 0}, {50, 0}), flat)}, {.largest_slope = 0.0}), OptionError);
-  RoadPath lonely = make_path(1, straight({0, 0}, {50, 0}), flat);
+  EXPECT_THROW((void)measure({banked_path(1, straight({0, 0}, {50, 0}), flat)}, other), OptionError);
+  EXPECT_THROW((void)design({banked_path(1, straight({0, 0}, {50, 0}), flat)}, {.largest_slope = 0.0}), OptionError);
+  RoadPath lonely = banked_path(1, straight({0, 0}, {50, 0}), flat);
   lonely.nodes.resize(1);
   EXPECT_THROW((void)design({lonely}), OptionError);
   EXPECT_TRUE(design({}).roads.paths.empty());

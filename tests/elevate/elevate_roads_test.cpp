@@ -13,14 +13,14 @@
 namespace orthodrive {
 namespace {
 
-constexpr double main_fall = 0.05, half_m = 4.0;
+constexpr double main_fall = 0.05, half_width_m = 4.0;
 
 /// A tertiary road along +x that falls by 5 % to the north; a street that leaves it to the north and climbs by 6 %
 /// from the road's edge on.
 double ground(double x, double y) {
   const double t = y - 200.0;
-  const double street = std::abs(x - 300.0) < 5.0 && t > half_m ? 0.06 * (t - half_m) : 0.0;
-  return 40.0 + 0.03 * x - main_fall * std::clamp(t, -half_m, half_m) + street;
+  const double street = std::abs(x - 300.0) < 5.0 && t > half_width_m ? 0.06 * (t - half_width_m) : 0.0;
+  return 40.0 + 0.03 * x - main_fall * std::clamp(t, -half_width_m, half_width_m) + street;
 }
 HeightGrid grid_of(double gsd_m) {
   const int n = static_cast<int>(600.0 / gsd_m);
@@ -38,7 +38,7 @@ RoadNetwork tee() {
     const int steps = static_cast<int>(distance(a, b) / 2.0);
     for (int i = 0; i <= steps; ++i)
       path.nodes.push_back(
-          {.p = a + (b - a) * (static_cast<double>(i) / steps), .s_m = 2.0 * i, .width_m = 2.0 * half_m});
+          {.p = a + (b - a) * (static_cast<double>(i) / steps), .s_m = 2.0 * i, .width_m = 2.0 * half_width_m});
     return path;
   };
   RoadNetwork roads{drive_crs,

@@ -9,7 +9,7 @@
 namespace orthodrive {
 namespace {
 
-const Crs crs{"EPSG:32633"};
+const Crs log_crs{"EPSG:32633"};
 
 RoadPath line(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0, std::int64_t node_b = 0,
               Oneway oneway = Oneway::no) {
@@ -51,7 +51,7 @@ double share_on(const MatchLogResult& match, std::size_t path, bool forward) {
 }
 
 TEST(MatchLog, a_drive_of_5_m_error_follows_the_roads_round_a_corner) {
-  const RoadNetwork roads{crs,
+  const RoadNetwork roads{log_crs,
                           {line(1, {0, 0}, {300, 0}, 1, 2), line(2, {300, 0}, {300, 300}, 2, 3),
                            line(3, {300, 0}, {600, 0}, 2, 4), line(4, {0, 60}, {600, 60})}};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -65,7 +65,7 @@ TEST(MatchLog, a_drive_of_5_m_error_follows_the_roads_round_a_corner) {
 }
 
 TEST(MatchLog, places_are_those_of_the_car) {
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {300, 0})}};
+  const RoadNetwork roads{log_crs, {line(1, {0, 0}, {300, 0})}};
   DriveRecording recording;
   for (int i = 0; i <= 200; ++i) recording.poses.push_back({.time_s = 0.1 * i, .p = {250.0 - i, 1.5}});
   const MatchLogResult match = LogMatcher(roads).match(recording, "a");
@@ -80,7 +80,7 @@ TEST(MatchLog, places_are_those_of_the_car) {
 TEST(MatchLog, carriageways_side_by_side_are_told_by_their_direction) {
   // 8 m apart, one way each; the receiver is 5 m off, so that the wrong one is often the nearer.
   const RoadNetwork roads{
-      crs, {line(1, {0, 0}, {500, 0}, 0, 0, Oneway::forward), line(2, {500, 8}, {0, 8}, 0, 0, Oneway::forward)}};
+      log_crs, {line(1, {0, 0}, {500, 0}, 0, 0, Oneway::forward), line(2, {500, 8}, {0, 8}, 0, 0, Oneway::forward)}};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     EXPECT_GT(share_on(LogMatcher(roads).match(drive({{5, 0}, {495, 0}}, 5.0, seed), "a"), 0, true), 0.97) << seed;
     EXPECT_GT(share_on(LogMatcher(roads).match(drive({{495, 8}, {5, 8}}, 5.0, seed), "a"), 1, true), 0.97) << seed;
@@ -89,7 +89,7 @@ TEST(MatchLog, carriageways_side_by_side_are_told_by_their_direction) {
 
 TEST(MatchLog, a_parallel_road_is_not_jumped_to) {
   // 14 m beside the main road and not connected: for some of the way the error makes it the nearer one.
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {600, 0}), line(2, {0, 14}, {600, 14})}};
+  const RoadNetwork roads{log_crs, {line(1, {0, 0}, {600, 0}), line(2, {0, 14}, {600, 14})}};
   DriveRecording recording = drive({{5, 0}, {595, 0}}, 0.0);
   for (DrivePose& pose : recording.poses)
     if (pose.p.x > 250 && pose.p.x < 330) pose.p.y += 9.0;
@@ -97,7 +97,7 @@ TEST(MatchLog, a_parallel_road_is_not_jumped_to) {
 }
 
 TEST(MatchLog, leaving_the_roads_is_seen_and_reported) {
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {300, 0}, 1, 2)}};
+  const RoadNetwork roads{log_crs, {line(1, {0, 0}, {300, 0}, 1, 2)}};
   const MatchLogResult match = LogMatcher(roads).match(drive({{5, 0}, {200, 0}, {200, 150}, {290, 150}}, 1.0), "a");
   EXPECT_NEAR(match.matched_m, 195.0, 25.0);
   ASSERT_EQ(match.findings.size(), 1u);
@@ -107,7 +107,7 @@ TEST(MatchLog, leaving_the_roads_is_seen_and_reported) {
 }
 
 TEST(MatchLog, a_drive_elsewhere_and_one_against_a_oneway_match_nothing) {
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {300, 0}, 1, 2, Oneway::forward)}};
+  const RoadNetwork roads{log_crs, {line(1, {0, 0}, {300, 0}, 1, 2, Oneway::forward)}};
   for (const DriveRecording& recording : {drive({{5, 80}, {295, 80}}, 1.0), drive({{295, 0}, {5, 0}}, 1.0)}) {
     const MatchLogResult match = LogMatcher(roads).match(recording, "a");
     EXPECT_EQ(match.matched_m, 0.0);
@@ -117,7 +117,7 @@ TEST(MatchLog, a_drive_elsewhere_and_one_against_a_oneway_match_nothing) {
 }
 
 TEST(MatchLog, a_crossing_road_is_crossed) {
-  RoadNetwork roads{crs, {line(1, {0, 0}, {400, 0}), line(2, {200, -200}, {200, 200})}};
+  RoadNetwork roads{log_crs, {line(1, {0, 0}, {400, 0}), line(2, {200, -200}, {200, 200})}};
   roads.paths[0].nodes[100].osm_node = 7, roads.paths[1].nodes[100].osm_node = 7;
   EXPECT_GT(share_on(LogMatcher(roads).match(drive({{5, 0}, {395, 0}}, 3.0), "a"), 0, true), 0.97);
   // And a turn at a node in the middle of both.
@@ -136,12 +136,12 @@ TEST(MatchLog, rounds_on_a_closed_way_go_on) {
   ring.nodes.front().osm_node = ring.nodes.back().osm_node = 3;
   std::vector<Vec2> corners;
   for (int i = 10; i <= 460; i += 5) corners.push_back(Vec2{std::cos(i * M_PI / 90), std::sin(i * M_PI / 90)} * radius);
-  const MatchLogResult match = LogMatcher({crs, {ring}}).match(drive(corners, 2.0), "a");
+  const MatchLogResult match = LogMatcher({log_crs, {ring}}).match(drive(corners, 2.0), "a");
   EXPECT_GT(share_on(match, 0, true), 0.97);
 }
 
 TEST(MatchLog, a_car_at_rest_and_a_single_pose_are_no_trouble) {
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {300, 0})}};
+  const RoadNetwork roads{log_crs, {line(1, {0, 0}, {300, 0})}};
   DriveRecording rest;
   for (int i = 0; i < 50; ++i) rest.poses.push_back({.time_s = 0.1 * i, .p = {100, 1}});
   const MatchLogResult match = LogMatcher(roads).match(rest, "a");

@@ -19,14 +19,14 @@
 namespace orthodrive {
 namespace {
 
-using Terrain = std::function<double(double x, double y)>;
-const Crs crs{"EPSG:32633"};
+using Hills = std::function<double(double x, double y)>;
+const Crs network_crs{"EPSG:32633"};
 
-HeightGrid make_dtm(const Terrain& z, double gsd_m, double noise_m = 0.0) {
+HeightGrid network_dtm(const Hills& z, double gsd_m, double noise_m = 0.0) {
   constexpr double size_m = 700.0;
   Random random(5);
   const int n = static_cast<int>(size_m / gsd_m);
-  HeightGrid grid{crs, {-50.0, size_m - 50.0, gsd_m, n, n}, Raster<float>(n, n)};
+  HeightGrid grid{network_crs, {-50.0, size_m - 50.0, gsd_m, n, n}, Raster<float>(n, n)};
   for (int row = 0; row < n; ++row)
     for (int col = 0; col < n; ++col) {
       const Vec2 p = grid.frame.center_of(col, row);
@@ -35,8 +35,8 @@ HeightGrid make_dtm(const Terrain& z, double gsd_m, double noise_m = 0.0) {
   return grid;
 }
 
-RoadPath make_path(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0, std::int64_t node_b = 0,
-                   const std::string& highway = "residential") {
+RoadPath network_path(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0, std::int64_t node_b = 0,
+                      const std::string& highway = "residential") {
   RoadPath path{.osm_id = osm_id, .highway = highway};
   const int steps = std::max(1, static_cast<int>(std::lround(distance(a, b) / 2.0)));
   for (int i = 0; i <= steps; ++i) {
@@ -47,7 +47,7 @@ RoadPath make_path(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0,
   return path;
 }
 
-RoadNetwork network(std::vector<RoadPath> paths) { return {crs, std::move(paths)}; }
+RoadNetwork network_of(std::vector<RoadPath> paths) { return {network_crs, std::move(paths)}; }
 
 int count(const Findings& findings, const std::string& code) {
   return static_cast<int>(
@@ -87,20 +87,20 @@ double largest_kink(const RoadPath& path) {
 
 /// A main road along x in two ways, a second road through its middle and a side road, on a slope with a ridge.
 RoadNetwork crossing_roads() {
-  RoadPath west = make_path(1, {0, 200}, {200, 200}, 1, 2, "tertiary"),
-           east = make_path(2, {400, 220}, {200, 200}, 3, 2, "tertiary");
-  RoadPath across = make_path(3, {190, 0}, {200, 200}, 4, 2), beyond = make_path(4, {200, 200}, {230, 400}, 2, 5);
-  RoadPath side = make_path(5, {100, 200}, {140, 330}, 6, 7, "service");
+  RoadPath west = network_path(1, {0, 200}, {200, 200}, 1, 2, "tertiary"),
+           east = network_path(2, {400, 220}, {200, 200}, 3, 2, "tertiary");
+  RoadPath across = network_path(3, {190, 0}, {200, 200}, 4, 2), beyond = network_path(4, {200, 200}, {230, 400}, 2, 5);
+  RoadPath side = network_path(5, {100, 200}, {140, 330}, 6, 7, "service");
   west.nodes[50].osm_node = 6;
-  return network({west, east, across, beyond, side});
+  return network_of({west, east, across, beyond, side});
 }
-const Terrain ridge = [](double x, double y) {
+const Hills ridge = [](double x, double y) {
   return 40.0 + 0.06 * x - 0.05 * y + 4.0 * std::exp(-std::pow((y - 210.0) / 30.0, 2));
 };
 
 TEST(NetworkProfiles, roads_meet_in_one_tangent_plane) {
   for (const double gsd_m : {1.0, 10.0}) {
-    const auto result = estimate_profiles(crossing_roads(), {make_dtm(ridge, gsd_m, 0.03)});
+    const auto result = estimate_profiles(crossing_roads(), {network_dtm(ridge, gsd_m, 0.03)});
     EXPECT_TRUE(result.solve.converged);
     EXPECT_LT(junction_kink(result.roads), 1e-3);
     for (const RoadPath& path : result.roads.paths)
@@ -120,7 +120,7 @@ TEST(NetworkProfiles, the_plane_falls_across_the_main_road_as_its_banking_says) 
     for (std::size_t k : {0, 1})
       for (RoadNode& node : roads.paths[k].nodes)
         node.banking = (k == 0 ? 1.0 : -1.0) * banking, node.banking_source = BankingSource::truth;
-    const auto result = estimate_profiles(roads, {make_dtm([](double, double) { return 10.0; }, 2.0)});
+    const auto result = estimate_profiles(roads, {network_dtm([](double, double) { return 10.0; }, 2.0)});
     // The side road leaves the main road to its left, which the banking raises, at 73 degrees.
     EXPECT_NEAR(result.roads.paths[4].nodes.front().gradient, std::tan(banking) * 130.0 / std::hypot(40.0, 130.0),
                 0.012);
@@ -130,9 +130,9 @@ TEST(NetworkProfiles, the_plane_falls_across_the_main_road_as_its_banking_says) 
 
 TEST(NetworkProfiles, limits_of_the_class_hold_and_give_way_where_the_terrain_is_sure) {
   // A terrain error of 1.5 m over 12 m would be a crest of 12 m radius; a hill of 24 % is none.
-  const Terrain bump = [](double x, double) { return 20.0 + (x > 200.0 && x < 212.0 ? 1.5 : 0.0); };
+  const Hills bump = [](double x, double) { return 20.0 + (x > 200.0 && x < 212.0 ? 1.5 : 0.0); };
   const auto held =
-      estimate_profiles(network({make_path(1, {0, 0}, {400, 0}, 0, 0, "primary")}), {make_dtm(bump, 2.0)});
+      estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0}, 0, 0, "primary")}), {network_dtm(bump, 2.0)});
   const DesignLimits limits = design_limits("primary");
   const auto& nodes = held.roads.paths[0].nodes;
   for (std::size_t n = 1; n < nodes.size(); ++n) {
@@ -142,19 +142,19 @@ TEST(NetworkProfiles, limits_of_the_class_hold_and_give_way_where_the_terrain_is
   }
   EXPECT_EQ(count(held.findings, "elevate.curvature_over_limit"), 0);
 
-  const Terrain steep = [](double x, double) { return 20.0 + 0.24 * std::clamp(x - 100.0, 0.0, 200.0); };
-  const auto given = estimate_profiles(network({make_path(1, {0, 0}, {400, 0})}), {make_dtm(steep, 2.0)});
+  const Hills steep = [](double x, double) { return 20.0 + 0.24 * std::clamp(x - 100.0, 0.0, 200.0); };
+  const auto given = estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0})}), {network_dtm(steep, 2.0)});
   EXPECT_GE(count(given.findings, "elevate.gradient_over_limit"), 1);
   EXPECT_NEAR(given.roads.paths[0].nodes[100].z_m, steep(200.0, 0.0), 0.3);
 }
 
 TEST(NetworkProfiles, standard_deviations_hold) {
   // Noise of 20 cm a pixel on a hilly road of its class: errors in units of their sigma.
-  const Terrain hills = [](double x, double y) { return 60.0 + 5.0 * std::sin(x / 60.0) + 4.0 * std::cos(y / 70.0); };
+  const Hills hills = [](double x, double y) { return 60.0 + 5.0 * std::sin(x / 60.0) + 4.0 * std::cos(y / 70.0); };
   std::size_t within_one = 0, within_two = 0, all = 0;
   std::vector<RoadPath> paths;
-  for (int i = 0; i < 20; ++i) paths.push_back(make_path(i + 1, {0.0, 25.0 * i}, {600.0, 30.0 * i}));
-  const auto result = estimate_profiles(network(paths), {make_dtm(hills, 2.0, 0.2)});
+  for (int i = 0; i < 20; ++i) paths.push_back(network_path(i + 1, {0.0, 25.0 * i}, {600.0, 30.0 * i}));
+  const auto result = estimate_profiles(network_of(paths), {network_dtm(hills, 2.0, 0.2)});
   EXPECT_NEAR(result.terrain_sigma_m[0], 0.16, 0.05) << "cubic interpolation averages a little";
   for (const RoadPath& path : result.roads.paths)
     for (const RoadNode& node : path.nodes) {
@@ -167,8 +167,9 @@ TEST(NetworkProfiles, standard_deviations_hold) {
 
 TEST(NetworkProfiles, a_bench_in_a_slope_is_less_sure_than_a_road_on_the_flat_where_pixels_hide_it) {
   const auto sigma_m = [](double slope, double gsd_m) {
-    const Terrain hillside = [slope](double, double y) { return 60.0 + slope * y; };
-    const auto result = estimate_profiles(network({make_path(1, {0, 0}, {400, 0})}), {make_dtm(hillside, gsd_m)});
+    const Hills hillside = [slope](double, double y) { return 60.0 + slope * y; };
+    const auto result =
+        estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0})}), {network_dtm(hillside, gsd_m)});
     return result.roads.paths[0].nodes[100].sigma_z_m;
   };
   EXPECT_GT(sigma_m(0.3, 12.0), 0.3 * 3.0 / std::sqrt(3.0)) << "6 m wide, uniform from all cut to all fill";
@@ -178,11 +179,11 @@ TEST(NetworkProfiles, a_bench_in_a_slope_is_less_sure_than_a_road_on_the_flat_wh
 
 TEST(NetworkProfiles, untagged_crossings_take_the_level_that_the_terrain_shows) {
   // Road 2 is carried over road 1, which lies in a cutting; decks are not in the terrain.
-  const Terrain cutting = [](double x, double) {
+  const Hills cutting = [](double x, double) {
     return 50.0 - 6.0 * std::clamp((18.0 - std::abs(x - 200.0)) / 8.0, 0.0, 1.0);
   };
-  const auto roads = network({make_path(1, {200, 0}, {200, 400}), make_path(2, {0, 200}, {400, 203})});
-  const auto result = estimate_profiles(roads, {make_dtm(cutting, 1.0)});
+  const auto roads = network_of({network_path(1, {200, 0}, {200, 400}), network_path(2, {0, 200}, {400, 203})});
+  const auto result = estimate_profiles(roads, {network_dtm(cutting, 1.0)});
   EXPECT_EQ(count(result.findings, "elevate.assumed_bridge"), 1);
   EXPECT_NEAR(result.roads.paths[0].nodes[100].z_m, 44.0, 0.2);
   EXPECT_GT(result.roads.paths[1].nodes[100].z_m, 48.69);
@@ -190,8 +191,8 @@ TEST(NetworkProfiles, untagged_crossings_take_the_level_that_the_terrain_shows) 
 }
 
 TEST(NetworkProfiles, ends_drawn_across_a_road_are_no_bridges) {
-  const auto roads = network({make_path(1, {0, 200}, {400, 200}), make_path(2, {200.5, 100}, {200.5, 203})});
-  const auto result = estimate_profiles(roads, {make_dtm([](double, double) { return 5.0; }, 2.0)});
+  const auto roads = network_of({network_path(1, {0, 200}, {400, 200}), network_path(2, {200.5, 100}, {200.5, 203})});
+  const auto result = estimate_profiles(roads, {network_dtm([](double, double) { return 5.0; }, 2.0)});
   EXPECT_EQ(count(result.findings, "elevate.missing_junction"), 1);
   EXPECT_EQ(count(result.findings, "elevate.assumed_bridge"), 0);
   for (const RoadPath& path : result.roads.paths)
@@ -199,55 +200,55 @@ TEST(NetworkProfiles, ends_drawn_across_a_road_are_no_bridges) {
 }
 
 TEST(NetworkProfiles, a_tunnel_lies_under_the_terrain_and_a_contradiction_is_resolved) {
-  RoadPath tunnel = make_path(2, {150, 0}, {250, 0}, 2, 3);
+  RoadPath tunnel = network_path(2, {150, 0}, {250, 0}, 2, 3);
   tunnel.tunnel = tunnel.bridge = true, tunnel.layer = -1;
-  const Terrain dip = [](double x, double) { return x > 180 && x < 220 ? 8.0 : 10.0; };  // a river above it, say
-  const auto result =
-      estimate_profiles(network({make_path(1, {0, 0}, {150, 0}, 1, 2), tunnel, make_path(3, {250, 0}, {400, 0}, 3, 4)}),
-                        {make_dtm(dip, 2.0)});
+  const Hills dip = [](double x, double) { return x > 180 && x < 220 ? 8.0 : 10.0; };  // a river above it, say
+  const auto result = estimate_profiles(
+      network_of({network_path(1, {0, 0}, {150, 0}, 1, 2), tunnel, network_path(3, {250, 0}, {400, 0}, 3, 4)}),
+      {network_dtm(dip, 2.0)});
   EXPECT_EQ(count(result.findings, "elevate.contradicting_tags"), 1);
   EXPECT_LT(result.roads.paths[1].nodes[25].z_m, 8.0);
 }
 
 TEST(NetworkProfiles, what_the_loss_gives_up_on_is_reported) {
-  const Terrain bridge = [](double x, double) { return 30.0 - (x > 180 && x < 220 ? 9.0 : 0.0); };  // nobody tagged it
+  const Hills bridge = [](double x, double) { return 30.0 - (x > 180 && x < 220 ? 9.0 : 0.0); };  // nobody tagged it
   const auto result =
-      estimate_profiles(network({make_path(1, {0, 0}, {400, 0}, 0, 0, "secondary")}), {make_dtm(bridge, 1.0)});
+      estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0}, 0, 0, "secondary")}), {network_dtm(bridge, 1.0)});
   EXPECT_EQ(count(result.findings, "elevate.off_terrain"), 1);
   EXPECT_GT(result.roads.paths[0].nodes[100].z_m, 28.0);
 }
 
 TEST(NetworkProfiles, single_pixels_that_are_wrong_leave_the_road_as_it_is) {
   // 40 m up and down, as birds and multiple reflections leave them in models that nobody edited.
-  const Terrain slope = [](double x, double) { return 50.0 + 0.04 * x; };
-  const Terrain spikes = [&](double x, double y) {
+  const Hills slope = [](double x, double) { return 50.0 + 0.04 * x; };
+  const Hills spikes = [&](double x, double y) {
     return slope(x, y) + (std::abs(x - 121.0) < 1.0 ? 40.0 : std::abs(x - 301.0) < 1.0 ? -40.0 : 0.0);
   };
-  const auto result = estimate_profiles(network({make_path(1, {0, 0}, {400, 0})}), {make_dtm(spikes, 2.0)});
+  const auto result = estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0})}), {network_dtm(spikes, 2.0)});
   for (const RoadNode& node : result.roads.paths[0].nodes) {
     EXPECT_NEAR(node.z_m, slope(node.p.x, node.p.y), 0.1);
     EXPECT_NEAR(node.gradient, 0.04, 0.01);
   }
   // A plateau of wrong pixels is long enough to be told of.
-  const Terrain block = [&](double x, double y) { return slope(x, y) + (std::abs(x - 200.0) < 8.0 ? 30.0 : 0.0); };
-  const auto told = estimate_profiles(network({make_path(1, {0, 0}, {400, 0})}), {make_dtm(block, 2.0)});
+  const Hills block = [&](double x, double y) { return slope(x, y) + (std::abs(x - 200.0) < 8.0 ? 30.0 : 0.0); };
+  const auto told = estimate_profiles(network_of({network_path(1, {0, 0}, {400, 0})}), {network_dtm(block, 2.0)});
   EXPECT_EQ(count(told.findings, "elevate.off_terrain"), 1);
   EXPECT_NEAR(told.roads.paths[0].nodes[100].z_m, 58.0, 1.0);
 }
 
 TEST(NetworkProfiles, a_road_that_leaves_the_terrain_runs_out_and_feet_are_noticed) {
-  const Terrain half = [](double x, double) {
+  const Hills half = [](double x, double) {
     return x < 200.0 ? 10.0 + 0.08 * x : std::numeric_limits<double>::quiet_NaN();
   };
-  const auto edge = estimate_profiles(network({make_path(1, {0, 0}, {600, 0})}), {make_dtm(half, 10.0)});
+  const auto edge = estimate_profiles(network_of({network_path(1, {0, 0}, {600, 0})}), {network_dtm(half, 10.0)});
   EXPECT_EQ(count(edge.findings, "elevate.no_terrain"), 1);
   const double end_z_m = edge.roads.paths[0].nodes.back().z_m;
   EXPECT_TRUE(end_z_m > 24.0 && end_z_m < 50.0) << end_z_m;
   EXPECT_GT(edge.roads.paths[0].nodes.back().sigma_z_m, 1.0);
 
-  const Terrain slope = [](double x, double y) { return 0.06 * x + 0.05 * y; };
+  const Hills slope = [](double x, double y) { return 0.06 * x + 0.05 * y; };
   const auto as_given = [&](double unit) {
-    const HeightGrid dtm = make_dtm([&](double x, double y) { return unit * slope(x, y); }, 10.0);
+    const HeightGrid dtm = network_dtm([&](double x, double y) { return unit * slope(x, y); }, 10.0);
     const Findings findings = estimate_profiles(crossing_roads(), {dtm}).findings;
     for (const Finding& finding : findings) {
       if (finding.code != "elevate.implausible_terrain") continue;
@@ -263,10 +264,10 @@ TEST(NetworkProfiles, a_road_that_leaves_the_terrain_runs_out_and_feet_are_notic
 // ---- the reference's methods
 
 TEST(ReferenceMethods, moving_averages_keep_lines_and_shorten_at_the_ends) {
-  const Terrain spike = [](double x, double) { return std::abs(x - 100.0) < 1.0 ? 11.0 : 0.0; };
+  const Hills spike = [](double x, double) { return std::abs(x - 100.0) < 1.0 ? 11.0 : 0.0; };
   const auto heights = [&](int window) {
     return estimate_profiles(
-        network({make_path(1, {0, 0.5}, {200, 0.5})}), {make_dtm(spike, 1.0)},
+        network_of({network_path(1, {0, 0.5}, {200, 0.5})}), {network_dtm(spike, 1.0)},
         {.method = HeightMethod::moving_average, .sampling = HeightSampling::bilinear, .window = window});
   };
   const double raw = heights(1).roads.paths[0].nodes[50].z_m;
@@ -294,12 +295,10 @@ double reference_cost(const RoadPath& path, const std::vector<double>& z, const 
 }
 
 TEST(ReferenceMethods, the_optimisation_ends_in_a_minimum_of_the_published_cost) {
-  const Terrain rough = [](double x, double y) {
-    return 20.0 + 2.0 * std::sin(x / 15.0) + 0.5 * std::sin(3.0 * x + y);
-  };
-  const HeightGrid dtm = make_dtm(rough, 2.0);
-  const RoadPath path = make_path(1, {0, 10}, {120, 14});
-  const auto result = estimate_profiles(network({path}), {dtm}, {.method = HeightMethod::reference});
+  const Hills rough = [](double x, double y) { return 20.0 + 2.0 * std::sin(x / 15.0) + 0.5 * std::sin(3.0 * x + y); };
+  const HeightGrid dtm = network_dtm(rough, 2.0);
+  const RoadPath path = network_path(1, {0, 10}, {120, 14});
+  const auto result = estimate_profiles(network_of({path}), {dtm}, {.method = HeightMethod::reference});
   ASSERT_TRUE(result.solve.converged);
   std::vector<double> z, terrain;
   for (std::size_t n = 0; n < path.nodes.size(); ++n) {
@@ -317,7 +316,8 @@ TEST(ReferenceMethods, the_optimisation_ends_in_a_minimum_of_the_published_cost)
 }
 
 TEST(ReferenceMethods, ways_do_not_share_heights) {
-  const auto result = estimate_profiles(crossing_roads(), {make_dtm(ridge, 2.0)}, {.method = HeightMethod::reference});
+  const auto result =
+      estimate_profiles(crossing_roads(), {network_dtm(ridge, 2.0)}, {.method = HeightMethod::reference});
   EXPECT_NE(result.roads.paths[0].nodes.back().z_m, result.roads.paths[2].nodes.back().z_m);
   EXPECT_EQ(result.roads.paths[0].nodes.front().sigma_z_m, 0.0);
 }

@@ -24,7 +24,7 @@ Road straight(int id, double x, double length = 100.0) {
   return road;
 }
 
-void link(Road& before, Road& after) {
+void join(Road& before, Road& after) {
   before.successor = {LinkKind::road, after.id, ContactPoint::start};
   after.predecessor = {LinkKind::road, before.id, ContactPoint::end};
   for (Lane* lane : {&before.sections[0].left[0], &before.sections[0].right[0]}) lane->successor = lane->id;
@@ -60,7 +60,7 @@ TEST(JudgeNetwork, a_clean_network_passes) {
   on.speed_limit_mps = 50.0 * kmh;
   on.elevation = {{.s = 0.0, .a = elevation(bend, bend.length), .b = gradient(bend, bend.length)}};
   on.superelevation = {{.s = 0.0, .a = superelevation(bend, bend.length)}};
-  link(bend, on);
+  join(bend, on);
   for (const DrivingSide side : {DrivingSide::right, DrivingSide::left}) {
     bend.driving_side = on.driving_side = side;
     const NetworkVerdict verdict = judge_network({.roads = {bend, on}});
@@ -89,7 +89,7 @@ TEST(JudgeNetwork, a_step_within_a_road) {
 
 TEST(JudgeNetwork, a_step_where_roads_are_linked) {
   RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
-  link(map.roads[0], map.roads[1]);
+  join(map.roads[0], map.roads[1]);
   EXPECT_TRUE(judge_network(map).pass());
   map.roads[1].elevation[0].a = 10.05;
   expect_fault_at(map, FaultKind::step, 100.0);
@@ -116,13 +116,13 @@ TEST(JudgeNetwork, a_hump_is_judged_by_the_legal_speed) {
 
 TEST(JudgeNetwork, a_hole_between_linked_roads) {
   RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.8)}};
-  link(map.roads[0], map.roads[1]);
+  join(map.roads[0], map.roads[1]);
   expect_fault_at(map, FaultKind::hole, 100.4, {FaultKind::gap});
 }
 
 TEST(JudgeNetwork, a_wedge_on_the_outer_side_of_a_kink) {
   RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
-  link(map.roads[0], map.roads[1]);
+  join(map.roads[0], map.roads[1]);
   map.roads[1].plan[0].hdg = 0.2;  // 3.4 m to the right of the joint the ends are 0.7 m apart
   expect_fault_at(map, FaultKind::hole, 100.0, {FaultKind::heading_jump, FaultKind::gap});
   EXPECT_GT(places(judge_network(map), FaultKind::heading_jump), 0u);
@@ -147,7 +147,7 @@ TEST(JudgeNetwork, a_jump_of_the_curvature) {
 
 TEST(JudgeNetwork, a_jump_of_the_width) {
   RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
-  link(map.roads[0], map.roads[1]);
+  join(map.roads[0], map.roads[1]);
   map.roads[1].sections[0].right[0].width = {{.a = 3.2}};
   expect_fault_at(map, FaultKind::width_jump, 100.0, {FaultKind::gap});
 }

@@ -12,22 +12,22 @@
 namespace orthodrive {
 namespace {
 
-RoadNetwork network(std::vector<RoadPath> paths) { return {utm33, std::move(paths)}; }
+RoadNetwork shape_network(std::vector<RoadPath> paths) { return {utm33, std::move(paths)}; }
 Polygon box(double x0, double y0, double x1, double y1) {
   return {{origin + Vec2{x0, y0}, origin + Vec2{x1, y0}, origin + Vec2{x1, y1}, origin + Vec2{x0, y1}}, {}};
 }
-RoadScores score(const RoadNetwork& roads, const RoadNetwork& truth, const EvaluateRoadsOptions& options = {}) {
+RoadScores score_shape(const RoadNetwork& roads, const RoadNetwork& truth, const EvaluateRoadsOptions& options = {}) {
   return evaluate_roads(roads, road_truth(truth, utm33), options);
 }
 
 TEST(RoadShape, width_variance_is_the_mean_over_paths_and_not_over_nodes) {
   RoadPath waves = path_along(straight(0, 0, 100, 0, 99), 6.0), even = path_along(straight(0, 50, 100, 50, 3), 4.0, 2);
   for (std::size_t i = 0; i < waves.nodes.size(); ++i) waves.nodes[i].width_m += i % 2 ? 0.5 : -0.5;  // sigma^2 = 0.25
-  const RoadNetwork roads = network({waves, even});
+  const RoadNetwork roads = shape_network({waves, even});
   EXPECT_NEAR(evaluate_roads(roads, {}).width_variance_m2, 0.125, 1e-12);
   EXPECT_NEAR(evaluate_roads(roads, {}, {.region = {.area = MultiPolygon{box(-10, -10, 110, 10)}}}).width_variance_m2,
               0.25, 1e-12);
-  EXPECT_TRUE(std::isnan(evaluate_roads(network({}), {}).width_variance_m2));
+  EXPECT_TRUE(std::isnan(evaluate_roads(shape_network({}), {}).width_variance_m2));
 }
 
 /// 60 m straight on, then an arc to the left of that radius, points every 5 cm.
@@ -40,7 +40,7 @@ Polyline straight_then_arc(double radius_m) {
 
 TEST(RoadShape, curvature_jump_from_a_straight_to_an_arc) {
   const RoadNetwork roads =
-      network({path_along(straight(0, 100, 100, 140), 6.0, 5), path_along(straight_then_arc(25.0), 6.0, 6)});
+      shape_network({path_along(straight(0, 100, 100, 140), 6.0, 5), path_along(straight_then_arc(25.0), 6.0, 6)});
   const CurvatureJump jump = evaluate_roads(roads, {}).curvature_jump;
   EXPECT_GT(jump.per_m, 7.0 / 8.0 / 25.0 - 1e-4);
   EXPECT_LT(jump.per_m, 1.0 / 25.0 + 1e-4);
@@ -57,9 +57,9 @@ TEST(RoadShape, curvature_jump_of_a_corner_does_not_depend_on_its_nodes) {
       line.push_back(Vec2{40.0 * std::cos(angle), 40.0 * std::sin(angle)} * (1.0 * i / pieces));
     return line;
   };
-  const double few = evaluate_roads(network({path_along(corner(1), 6.0)}), {}).curvature_jump.per_m;
+  const double few = evaluate_roads(shape_network({path_along(corner(1), 6.0)}), {}).curvature_jump.per_m;
   EXPECT_NEAR(few, angle / 2.0, 1e-3) << "the turn over a step of 2 m";
-  EXPECT_NEAR(few, evaluate_roads(network({path_along(corner(80), 6.0)}), {}).curvature_jump.per_m, 1e-3);
+  EXPECT_NEAR(few, evaluate_roads(shape_network({path_along(corner(80), 6.0)}), {}).curvature_jump.per_m, 1e-3);
 }
 
 TEST(RoadShape, curvature_jump_of_round_and_of_odd_lines) {
@@ -67,38 +67,38 @@ TEST(RoadShape, curvature_jump_of_round_and_of_odd_lines) {
   for (int i = 0; i < 360; ++i)
     circle.push_back({20.0 * std::cos(i * std::numbers::pi / 180), 20.0 * std::sin(i * std::numbers::pi / 180)});
   circle.push_back(circle.front());
-  EXPECT_NEAR(evaluate_roads(network({path_along(circle, 6.0)}), {}).curvature_jump.per_m, 0.0, 2e-3)
+  EXPECT_NEAR(evaluate_roads(shape_network({path_along(circle, 6.0)}), {}).curvature_jump.per_m, 0.0, 2e-3)
       << "also across its joint";
   Polyline repeated = straight(0, 0, 40, 0);
   repeated.insert(repeated.begin() + 5, 3, repeated[5]);
-  EXPECT_NEAR(evaluate_roads(network({path_along(repeated, 6.0)}), {}).curvature_jump.per_m, 0.0, 1e-9);
-  const RoadNetwork tiny = network({path_along({{0, 0}, {0, 0}}, 6.0), path_along({{0, 0}, {3, 0}}, 6.0, 2)});
+  EXPECT_NEAR(evaluate_roads(shape_network({path_along(repeated, 6.0)}), {}).curvature_jump.per_m, 0.0, 1e-9);
+  const RoadNetwork tiny = shape_network({path_along({{0, 0}, {0, 0}}, 6.0), path_along({{0, 0}, {3, 0}}, 6.0, 2)});
   EXPECT_TRUE(std::isnan(evaluate_roads(tiny, {}).curvature_jump.per_m));
 }
 
 TEST(RoadShape, share_of_places_that_moved_away_from_the_truth) {
-  const RoadNetwork truth = network({path_along(straight(0, 0, 100, 0), 6.0)});
-  const RoadNetwork before = network({path_along(straight(0, 1, 100, 1), 6.0)});
+  const RoadNetwork truth = shape_network({path_along(straight(0, 0, 100, 0), 6.0)});
+  const RoadNetwork before = shape_network({path_along(straight(0, 1, 100, 1), 6.0)});
   // The first 40 m came nearer, 20 m went 0.2 m away, 30 m went 1 m away on the other side, 10 m were lost.
   const RoadNetwork after =
-      network({path_along(straight(0, 0.5, 40, 0.5), 6.0), path_along(straight(40, 1.2, 60, 1.2), 6.0, 2),
-               path_along(straight(60, -2, 90, -2), 6.0, 3)});
-  const RoadScores scores = score(after, truth, {.before = &before});
+      shape_network({path_along(straight(0, 0.5, 40, 0.5), 6.0), path_along(straight(40, 1.2, 60, 1.2), 6.0, 2),
+                     path_along(straight(60, -2, 90, -2), 6.0, 3)});
+  const RoadScores scores = score_shape(after, truth, {.before = &before});
   ASSERT_TRUE(scores.moved_away);
   EXPECT_EQ(scores.moved_away->n, 50u);
   EXPECT_NEAR(scores.moved_away->share, 0.6, 1e-9);
   EXPECT_NEAR(scores.moved_away->share_by_more_than_0_3_m, 0.4, 1e-9);
   EXPECT_NEAR(scores.places[0].offset_before_m, 1.0, 1e-9);
-  EXPECT_FALSE(score(after, truth).moved_away);
-  EXPECT_EQ(score(before, truth, {.before = &before}).moved_away->share, 0.0) << "nothing moved";
-  const RoadNetwork elsewhere = network({path_along(straight(0, 500, 100, 500), 6.0)});
-  EXPECT_EQ(score(after, truth, {.before = &elsewhere}).moved_away->n, 0u);
+  EXPECT_FALSE(score_shape(after, truth).moved_away);
+  EXPECT_EQ(score_shape(before, truth, {.before = &before}).moved_away->share, 0.0) << "nothing moved";
+  const RoadNetwork elsewhere = shape_network({path_along(straight(0, 500, 100, 500), 6.0)});
+  EXPECT_EQ(score_shape(after, truth, {.before = &elsewhere}).moved_away->n, 0u);
 }
 
 TEST(RoadShape, places_carry_the_errors_of_the_summary) {
   const RoadNetwork truth =
-      network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(0, 40, 20, 40), 6.0, 2)});
-  const RoadScores scores = score(network({path_along(straight(0, 1, 100, 1), 7.0)}), truth);
+      shape_network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(0, 40, 20, 40), 6.0, 2)});
+  const RoadScores scores = score_shape(shape_network({path_along(straight(0, 1, 100, 1), 7.0)}), truth);
   ASSERT_EQ(scores.places.size(), scores.samples);
   EXPECT_EQ(scores.places.size(), 60u);
   EXPECT_NEAR(scores.places[10].offset_m, 1.0, 1e-9);
@@ -110,8 +110,8 @@ TEST(RoadShape, places_carry_the_errors_of_the_summary) {
 TEST(RoadShape, surface_errors_are_the_polygons_of_one_side) {
   // Ours y -2..4, truth -3..3 over 100 m; a crossing road of the truth that we lack.
   const RoadNetwork truth =
-      network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(50, -30, 50, 30), 4.0, 2)});
-  const RoadNetwork roads = network({path_along(straight(0, 1, 100, 1), 6.0)});
+      shape_network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(50, -30, 50, 30), 4.0, 2)});
+  const RoadNetwork roads = shape_network({path_along(straight(0, 1, 100, 1), 6.0)});
   const auto total = [](const MultiPolygon& polygons) {
     double sum = 0.0;
     for (const Polygon& polygon : polygons) sum += area_m2(polygon);
@@ -129,7 +129,7 @@ TEST(RoadShape, surface_errors_are_the_polygons_of_one_side) {
       10.0, 0.01);
   // A ring keeps its hole.
   RoadTruth ring{.surfaces = {{"ring", {{box(0, 0, 40, 40).outer, {box(10, 10, 30, 30).outer}}}}}};
-  const SurfaceErrors missed = surface_errors(network({}), ring);
+  const SurfaceErrors missed = surface_errors(shape_network({}), ring);
   EXPECT_NEAR(total(missed.false_negative), 1200.0, 0.01);
   EXPECT_FALSE(contains(missed.false_negative, origin + Vec2{20, 20}));
 }

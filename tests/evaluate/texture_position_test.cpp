@@ -10,21 +10,23 @@ namespace orthodrive {
 namespace {
 
 constexpr int size_px = 960;
-constexpr double tile_m = 480.0, west_m = 480.0 * 1000, south_m = 480.0 * 13000;
+constexpr double tile_m = 480.0, tile_west_m = 480.0 * 1000, tile_south_m = 480.0 * 13000;
 
 double brightness(Vec2 p) {
-  const double x = p.x - west_m, y = p.y - south_m;
+  const double x = p.x - tile_west_m, y = p.y - tile_south_m;
   return 128.0 + 40.0 * std::sin(0.9 * x + 0.3 * y) + 35.0 * std::sin(0.4 * x - 1.1 * y) + 20.0 * std::sin(1.7 * y);
 }
 
 /// Its picture lies `shift_px` texels to the east and south of where the photo has it; gain changes its contrast.
 SceneTile tile_with(Vec2 shift_px, double gain = 1.0) {
-  SceneTile tile{.column = 1000, .row = 13000, .origin = {west_m + 0.5 * tile_m, south_m + 0.5 * tile_m, 0.0}};
+  SceneTile tile{
+      .column = 1000, .row = 13000, .origin = {tile_west_m + 0.5 * tile_m, tile_south_m + 0.5 * tile_m, 0.0}};
   tile.texture_rgb = Raster<std::uint8_t>(size_px, size_px, 3);
   const double texel_m = tile_m / size_px;
   for (int row = 0; row < size_px; ++row)
     for (int col = 0; col < size_px; ++col) {
-      const Vec2 p{west_m + (col + 0.5 - shift_px.x) * texel_m, south_m + tile_m - (row + 0.5 - shift_px.y) * texel_m};
+      const Vec2 p{tile_west_m + (col + 0.5 - shift_px.x) * texel_m,
+                   tile_south_m + tile_m - (row + 0.5 - shift_px.y) * texel_m};
       const auto value = static_cast<std::uint8_t>(std::lround(128.0 + gain * (brightness(p) - 128.0)));
       for (int channel = 0; channel < 3; ++channel) tile.texture_rgb.at(col, row, channel) = value;
     }
@@ -53,7 +55,7 @@ TEST(TexturePosition, lifted_shadows_do_not_count_but_shifts_do) {
     SceneTile tile = tile_with(shift);
     // The photo has stripes of shadow, 4 m wide and 60 m apart; the picture has none.
     const auto shaded = [&](Vec2 p) {
-      const double share = std::fmod(p.x - west_m, 60.0) < 4.0 ? 0.3 : 1.0;
+      const double share = std::fmod(p.x - tile_west_m, 60.0) < 4.0 ? 0.3 : 1.0;
       return std::optional(share * brightness(p));
     };
     EXPECT_NEAR(texture_position(tile, shaded).error_px, std::hypot(shift.x, shift.y), 0.05);
@@ -71,7 +73,7 @@ TEST(TexturePosition, what_shows_nothing_is_not_measured) {
   EXPECT_EQ(texture_position(tile_with({0.0, 0.0}), [](Vec2) { return std::optional<double>(); }).windows, 0U);
   EXPECT_EQ(texture_position(SceneTile{}, brightness).windows, 0U);
   // Stripes move along themselves unseen.
-  const auto stripes = [](Vec2 p) { return std::optional(128.0 + 80.0 * std::sin(0.8 * (p.x - west_m))); };
+  const auto stripes = [](Vec2 p) { return std::optional(128.0 + 80.0 * std::sin(0.8 * (p.x - tile_west_m))); };
   EXPECT_EQ(texture_position(tile_with({0.0, 0.0}), stripes).windows, 0U);
 }
 

@@ -20,7 +20,7 @@ io::Feature box(double east_m, std::map<std::string, std::string> tags) {
           .tags = std::move(tags)};
 }
 
-std::vector<Building> read(const std::vector<io::Feature>& features, Findings* findings = nullptr) {
+std::vector<Building> read_houses(const std::vector<io::Feature>& features, Findings* findings = nullptr) {
   const Scratch scratch;
   io::write_geojson(scratch / "b.geojson", features, utm33);
   return io::read_buildings({scratch / "b.geojson"}, site_of(1000.0), findings);
@@ -28,9 +28,9 @@ std::vector<Building> read(const std::vector<io::Feature>& features, Findings* f
 
 TEST(BuildingReader, takes_tags_of_osm_and_short_keys) {
   const auto buildings =
-      read({box(0, {{"building", "house"}, {"height", "7.5 m"}, {"roof:shape", "hipped"}}),
-            box(20, {{"building", "škola"}, {"name", "Základní škola 学校"}, {"building:levels", "3"}}),
-            box(40, {{"t", "commercial"}, {"h", "7"}, {"lv", "2"}, {"n", "Forum"}})});
+      read_houses({box(0, {{"building", "house"}, {"height", "7.5 m"}, {"roof:shape", "hipped"}}),
+                   box(20, {{"building", "škola"}, {"name", "Základní škola 学校"}, {"building:levels", "3"}}),
+                   box(40, {{"t", "commercial"}, {"h", "7"}, {"lv", "2"}, {"n", "Forum"}})});
   ASSERT_EQ(buildings.size(), 3U);
   EXPECT_EQ(buildings[0].use, "house");
   EXPECT_EQ(buildings[0].height_m, 7.5);
@@ -47,11 +47,11 @@ TEST(BuildingReader, takes_tags_of_osm_and_short_keys) {
 
 TEST(BuildingReader, takes_colours_by_hex_name_and_material) {
   const auto buildings =
-      read({box(0, {{"building", "yes"}, {"building:colour", "#Ff0000"}, {"roof:colour", "#fff"}}),
-            box(20, {{"building", "yes"}, {"building:colour", "Light_Grey"}}),
-            box(40, {{"building", "yes"}, {"building:colour", "reddish"}, {"roof:colour", "#12345"}}),
-            box(60, {{"building", "yes"}, {"building:material", "brick"}}),
-            box(80, {{"building", "yes"}, {"building:material", "plaster"}})});
+      read_houses({box(0, {{"building", "yes"}, {"building:colour", "#Ff0000"}, {"roof:colour", "#fff"}}),
+                   box(20, {{"building", "yes"}, {"building:colour", "Light_Grey"}}),
+                   box(40, {{"building", "yes"}, {"building:colour", "reddish"}, {"roof:colour", "#12345"}}),
+                   box(60, {{"building", "yes"}, {"building:material", "brick"}}),
+                   box(80, {{"building", "yes"}, {"building:material", "plaster"}})});
   ASSERT_EQ(buildings.size(), 5U);
   using Color = std::array<float, 3>;
   EXPECT_EQ(buildings[0].wall_color, (Color{1.0F, 0.0F, 0.0F}));
@@ -65,31 +65,31 @@ TEST(BuildingReader, takes_colours_by_hex_name_and_material) {
 }
 
 TEST(BuildingReader, passes_over_what_is_no_building_here) {
-  const auto buildings = read({box(0, {{"building", "no"}}),
-                               box(40, {{"landuse", "grass"}}),
-                               box(60, {{"building", ""}}),
-                               box(-500, {{"building", "yes"}}),
-                               box(-5, {{"building", "yes"}}),
-                               {.lines = {{origin, origin + Vec2{10, 3}}}, .tags = {{"building", "yes"}}},
-                               {.points = {origin}, .tags = {{"building", "yes"}}}});
+  const auto buildings = read_houses({box(0, {{"building", "no"}}),
+                                      box(40, {{"landuse", "grass"}}),
+                                      box(60, {{"building", ""}}),
+                                      box(-500, {{"building", "yes"}}),
+                                      box(-5, {{"building", "yes"}}),
+                                      {.lines = {{origin, origin + Vec2{10, 3}}}, .tags = {{"building", "yes"}}},
+                                      {.points = {origin}, .tags = {{"building", "yes"}}}});
   ASSERT_EQ(buildings.size(), 1U) << "the one that reaches into the area";
 }
 
 TEST(BuildingReader, takes_parts_roofs_and_what_has_no_walls) {
   const auto buildings =
-      read({box(0, {{"building:part", "yes"}, {"height", "20"}, {"min_height", "8"}}),
-            box(20, {{"building:part", "tower"}, {"building:levels", "6"}, {"building:min_level", "2"}}),
-            box(40, {{"building", "roof"}}),
-            box(60, {{"building", "church"},
-                     {"roof:shape", "skillion"},
-                     {"roof:height", "4"},
-                     {"roof:direction", "SE"},
-                     {"roof:angle", "30"},
-                     {"roof:levels", "1"},
-                     {"roof:orientation", "across"},
-                     {"roof:material", "copper"}}),
-            box(80, {{"building:part", "no"}}),
-            box(100, {{"building", "yes"}, {"building:part", "yes"}, {"roof:direction", "270"}})});
+      read_houses({box(0, {{"building:part", "yes"}, {"height", "20"}, {"min_height", "8"}}),
+                   box(20, {{"building:part", "tower"}, {"building:levels", "6"}, {"building:min_level", "2"}}),
+                   box(40, {{"building", "roof"}}),
+                   box(60, {{"building", "church"},
+                            {"roof:shape", "skillion"},
+                            {"roof:height", "4"},
+                            {"roof:direction", "SE"},
+                            {"roof:angle", "30"},
+                            {"roof:levels", "1"},
+                            {"roof:orientation", "across"},
+                            {"roof:material", "copper"}}),
+                   box(80, {{"building:part", "no"}}),
+                   box(100, {{"building", "yes"}, {"building:part", "yes"}, {"roof:direction", "270"}})});
   ASSERT_EQ(buildings.size(), 5U);
   EXPECT_TRUE(buildings[0].is_part && buildings[1].is_part);
   EXPECT_EQ(buildings[0].min_height_m, 8.0);
@@ -109,12 +109,12 @@ TEST(BuildingReader, takes_parts_roofs_and_what_has_no_walls) {
 
 TEST(BuildingReader, heights_that_contradict_each_other_are_told) {
   Findings findings;
-  const auto buildings = read({box(0, {{"building:part", "yes"}, {"height", "9"}, {"min_height", "12"}}),
-                               box(20, {{"building", "yes"}, {"height", "6"}, {"roof:height", "8"}}),
-                               box(40, {{"building", "yes"}, {"roof:angle", "120"}}),
-                               box(60, {{"building:part", "yes"}, {"min_height", "0"}, {"height", "9"}}),
-                               box(80, {{"building", "yes"}, {"roof:direction", "down"}})},
-                              &findings);
+  const auto buildings = read_houses({box(0, {{"building:part", "yes"}, {"height", "9"}, {"min_height", "12"}}),
+                                      box(20, {{"building", "yes"}, {"height", "6"}, {"roof:height", "8"}}),
+                                      box(40, {{"building", "yes"}, {"roof:angle", "120"}}),
+                                      box(60, {{"building:part", "yes"}, {"min_height", "0"}, {"height", "9"}}),
+                                      box(80, {{"building", "yes"}, {"roof:direction", "down"}})},
+                                     &findings);
   ASSERT_EQ(buildings.size(), 5U);
   EXPECT_EQ(buildings[0].min_height_m, 0.0);
   EXPECT_EQ(buildings[1].roof_height_m, 0.0);
@@ -128,11 +128,11 @@ TEST(BuildingReader, heights_that_contradict_each_other_are_told) {
 
 TEST(BuildingReader, odd_heights_do_not_count_and_are_told) {
   Findings findings;
-  const auto buildings =
-      read({box(0, {{"building", "yes"}, {"height", "-5"}}), box(20, {{"building", "yes"}, {"building:levels", "900"}}),
-            box(40, {{"building", "yes"}, {"height", "high"}, {"building:levels", "2"}}),
-            box(60, {{"building", "yes"}, {"height", "1e300"}}), box(80, {{"building", "yes"}, {"height", "nan"}})},
-           &findings);
+  const auto buildings = read_houses(
+      {box(0, {{"building", "yes"}, {"height", "-5"}}), box(20, {{"building", "yes"}, {"building:levels", "900"}}),
+       box(40, {{"building", "yes"}, {"height", "high"}, {"building:levels", "2"}}),
+       box(60, {{"building", "yes"}, {"height", "1e300"}}), box(80, {{"building", "yes"}, {"height", "nan"}})},
+      &findings);
   ASSERT_EQ(buildings.size(), 5U);
   for (const Building& building : buildings) EXPECT_EQ(building.height_m, 0.0);
   EXPECT_EQ(buildings[1].levels, 0.0);

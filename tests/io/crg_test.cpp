@@ -32,7 +32,7 @@ class AsamCrg : public ::testing::Test {
 };
 
 /// Equal bit for bit; NaN equals NaN.
-void expect_same(const std::vector<double>& a, const std::vector<double>& b, double tolerance = 0.0) {
+void expect_near(const std::vector<double>& a, const std::vector<double>& b, double tolerance = 0.0) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(std::isnan(a[i]), std::isnan(b[i])) << i;
@@ -97,10 +97,10 @@ TEST_F(AsamCrg, arc_turns_as_its_headings_say) {
 TEST_F(AsamCrg, curved_banked_and_sloped_at_once_with_wrapped_records) {
   const CrgSurface s = surface("handmade_curved_banked_sloped.crg"), curved = surface("handmade_curved.crg"),
                    banked = surface("handmade_banked.crg"), sloped = surface("handmade_sloped.crg");
-  expect_same(s.phi_rad, curved.phi_rad);
-  expect_same(s.x_m, curved.x_m);
-  expect_same(s.banking, banked.banking);
-  expect_same(s.z_m, sloped.z_m);
+  expect_near(s.phi_rad, curved.phi_rad);
+  expect_near(s.x_m, curved.x_m);
+  expect_near(s.banking, banked.banking);
+  expect_near(s.z_m, sloped.z_m);
   EXPECT_TRUE(std::isnan(s.grid(11, 0)));
   EXPECT_TRUE(std::isnan(s.grid(13, 6)));
   EXPECT_TRUE(std::isnan(crg_height(s, {11.5, -1.4})));
@@ -113,11 +113,11 @@ TEST_F(AsamCrg, short_files_say_the_same_as_those_with_comments) {
                              std::pair{"handmade_straight.crg", "handmade_straight_double.crg"},
                              std::pair{"handmade_sloped.crg", "handmade_sloped_opts.crg"}}) {
     const CrgSurface p = surface(a), q = surface(b);
-    expect_same(p.grid_m, q.grid_m);
-    expect_same(p.phi_rad, q.phi_rad);
-    expect_same(p.x_m, q.x_m);
-    expect_same(p.z_m, q.z_m);
-    expect_same(p.v_m, q.v_m);
+    expect_near(p.grid_m, q.grid_m);
+    expect_near(p.phi_rad, q.phi_rad);
+    expect_near(p.x_m, q.x_m);
+    expect_near(p.z_m, q.z_m);
+    expect_near(p.v_m, q.v_m);
   }
   EXPECT_THAT(io::read_crg(asam / "handmade_sloped_opts.crg").notes, Contains(HasSubstr("border_mode_u")));
   EXPECT_THAT(io::read_crg(asam / "handmade_platform.crg").notes, Contains(HasSubstr("grid_nan_mode")));
@@ -201,14 +201,14 @@ TEST(Crg, double_binary_reads_back_exactly) {
     EXPECT_EQ(read.surface.comment, s.comment);
     EXPECT_EQ(read.surface.u_start_m, s.u_start_m);
     EXPECT_EQ(read.surface.u_increment_m, s.u_increment_m);
-    expect_same(read.surface.v_m, s.v_m);
-    expect_same(read.surface.phi_rad, s.phi_rad);
-    expect_same(read.surface.slope, s.slope);
-    expect_same(read.surface.banking, s.banking);
-    expect_same(read.surface.x_m, s.x_m);
-    expect_same(read.surface.y_m, s.y_m);
-    expect_same(read.surface.z_m, s.z_m);
-    expect_same(read.surface.grid_m, s.grid_m);
+    expect_near(read.surface.v_m, s.v_m);
+    expect_near(read.surface.phi_rad, s.phi_rad);
+    expect_near(read.surface.slope, s.slope);
+    expect_near(read.surface.banking, s.banking);
+    expect_near(read.surface.x_m, s.x_m);
+    expect_near(read.surface.y_m, s.y_m);
+    expect_near(read.surface.z_m, s.z_m);
+    expect_near(read.surface.grid_m, s.grid_m);
     EXPECT_TRUE(read.notes.empty());
     io::write_crg(scratch / "b.crg", read.surface, CrgFormat::kdbi);
     EXPECT_EQ(bytes_of(scratch / "a.crg"), bytes_of(scratch / "b.crg"));
@@ -224,12 +224,12 @@ TEST(Crg, other_formats_read_back_to_their_digits) {
       io::write_crg(scratch / "a.crg", s, format);
       const CrgSurface read = io::read_crg(scratch / "a.crg").surface;
       EXPECT_EQ(read.u_increment_m, s.u_increment_m);
-      expect_same(read.v_m, s.v_m);
-      expect_same(read.phi_rad, s.phi_rad, format == CrgFormat::ldfi ? 1e-15 : tolerance);
-      expect_same(read.banking, s.banking, tolerance);
-      expect_same(read.grid_m, s.grid_m, tolerance);
-      expect_same(read.x_m, s.x_m, 1e-6);
-      expect_same(read.z_m, s.z_m, 1e-6);
+      expect_near(read.v_m, s.v_m);
+      expect_near(read.phi_rad, s.phi_rad, format == CrgFormat::ldfi ? 1e-15 : tolerance);
+      expect_near(read.banking, s.banking, tolerance);
+      expect_near(read.grid_m, s.grid_m, tolerance);
+      expect_near(read.x_m, s.x_m, 1e-6);
+      expect_near(read.z_m, s.z_m, 1e-6);
       EXPECT_EQ(read.x_m.back(), s.x_m.back()) << "the end is the header's";
     }
   }
@@ -261,8 +261,8 @@ TEST(Crg, straight_flat_surface_needs_no_banking_and_no_slope) {
   io::write_crg(scratch / "a.crg", s, CrgFormat::kdbi);
   EXPECT_EQ(bytes_of(scratch / "a.crg").find("D:reference line slope"), std::string::npos);
   const CrgSurface read = io::read_crg(scratch / "a.crg").surface;
-  expect_same(read.z_m, s.z_m);
-  expect_same(read.grid_m, s.grid_m);
+  expect_near(read.z_m, s.z_m);
+  expect_near(read.grid_m, s.grid_m);
   EXPECT_EQ(crg_height(read, {3.0, 0.5}), crg_height(s, {3.0, 0.5}));
 }
 

@@ -118,7 +118,7 @@ double largest_step(const Photo& photo, double step_m, double west, double east,
   return largest;
 }
 
-void expect_same(const Photo& photo, const Photo& wanted) {
+void expect_same_photo(const Photo& photo, const Photo& wanted) {
   ASSERT_EQ(photo.frame, wanted.frame);
   EXPECT_EQ(photo.valid.data, wanted.valid.data);
   std::size_t different = 0;
@@ -135,9 +135,9 @@ TEST(PhotoMosaic, one_photo_and_two_equal_ones_give_the_bytes_of_one_alone) {
   fs::copy(scratch / "a.tif", scratch / "b.tif");
   const Photo alone = io::read_photo(scratch / "a.tif", site);
   EXPECT_GT(std::ranges::count(alone.valid.data, 0), 1000);
-  expect_same(mosaic_of_files({scratch / "a.tif"}), alone);
-  expect_same(mosaic_of_files({scratch / "a.tif", scratch / "b.tif"}), alone);
-  expect_same(io::read_photo(Files{scratch / "a.tif", scratch / "b.tif"}, site), alone);
+  expect_same_photo(mosaic_of_files({scratch / "a.tif"}), alone);
+  expect_same_photo(mosaic_of_files({scratch / "a.tif", scratch / "b.tif"}), alone);
+  expect_same_photo(io::read_photo(Files{scratch / "a.tif", scratch / "b.tif"}, site), alone);
 }
 
 TEST(PhotoMosaic, seam_between_photos_of_other_exposure_and_colour_is_hidden) {
@@ -361,7 +361,7 @@ TEST(PhotoMosaic, photo_of_somewhere_else_is_a_finding_unless_all_are) {
   io::write_photo(scratch / "blank.tif", blank);
   Findings findings;
   const Photo mosaic = mosaic_of_files({scratch / "far.tif", scratch / "west.tif", scratch / "blank.tif"}, &findings);
-  expect_same(mosaic, io::read_photo(scratch / "west.tif", site));
+  expect_same_photo(mosaic, io::read_photo(scratch / "west.tif", site));
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].code, "photo.elsewhere");
   EXPECT_EQ(findings[0].message, "far.tif shows nothing of the area and is left out");

@@ -19,7 +19,7 @@ namespace orthodrive {
 namespace {
 using testing::HasSubstr;
 
-Photo noisy_photo(int width, int height) {
+Photo noisy_picture(int width, int height) {
   Photo photo{.crs = utm33, .frame = {500000.0, 5540000.0, 0.5, width, height}};
   photo.rgb = Raster<std::uint8_t>(width, height, 3);
   photo.valid = Raster<std::uint8_t>(width, height, 1, 1);
@@ -45,7 +45,7 @@ SiteFrame skew_site(const std::filesystem::path& photo) {
 TEST(PhotoStream, any_window_has_the_bytes_of_the_whole_whoever_reads_it) {
   const Scratch scratch;
   for (const int jpeg_quality : {0, 90}) {
-    io::write_photo(scratch / "photo.tif", noisy_photo(900, 700), {.jpeg_quality = jpeg_quality});
+    io::write_photo(scratch / "photo.tif", noisy_picture(900, 700), {.jpeg_quality = jpeg_quality});
     const SiteFrame site = skew_site(scratch / "photo.tif");
     const Photo whole = io::read_photo(scratch / "photo.tif", site);
     ASSERT_GT(whole.frame.width, 900);  // several of the blocks that GDAL warps at once
@@ -61,7 +61,7 @@ TEST(PhotoStream, any_window_has_the_bytes_of_the_whole_whoever_reads_it) {
 
 TEST(PhotoStream, photo_of_somewhere_else_is_told_when_it_is_opened) {
   const Scratch scratch;
-  io::write_photo(scratch / "photo.tif", noisy_photo(50, 50));
+  io::write_photo(scratch / "photo.tif", noisy_picture(50, 50));
   const SiteFrame site{utm33, rectangle(510000.0, 5539000.0, 510100.0, 5539100.0)};
   EXPECT_THAT(message_of<InputError>([&] { (void)io::open_photo(scratch / "photo.tif", site); }),
               HasSubstr("photo.tif: shows nothing of the area"));
@@ -69,7 +69,7 @@ TEST(PhotoStream, photo_of_somewhere_else_is_told_when_it_is_opened) {
 
 TEST(PhotoStream, damage_inside_a_tile_is_told_when_it_is_read) {
   const Scratch scratch;
-  Photo photo = noisy_photo(600, 600);
+  Photo photo = noisy_picture(600, 600);
   io::write_photo(scratch / "photo.tif", photo);
   std::string bytes = bytes_of(scratch / "photo.tif");
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2),
@@ -135,7 +135,7 @@ TEST(RasterStream, file_is_the_one_that_is_written_at_once) {
 
 TEST(RasterStream, photo_and_terrain_are_the_ones_that_are_written_at_once) {
   const Scratch scratch;
-  Photo photo = noisy_photo(1300, 900);
+  Photo photo = noisy_picture(1300, 900);
   std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{1});
   for (const int jpeg_quality : {0, 85}) {
     io::write_photo(scratch / "once.tif", photo, {.jpeg_quality = jpeg_quality});
@@ -181,7 +181,7 @@ TEST(RasterStream, unfinished_leaves_the_earlier_file_and_nothing_else) {
 
 TEST(RasterStream, full_disk_and_a_folder_that_cannot_be_are_told_by_the_name_of_the_file) {
   const Scratch scratch;
-  const Photo noise = noisy_photo(1400, 1400);
+  const Photo noise = noisy_picture(1400, 1400);
   Raster<std::uint8_t> confidence(1400, 1400);
   std::copy_n(noise.rgb.data.begin(), confidence.data.size(), confidence.data.begin());
   write_bytes(scratch / "confidence.tif", "earlier");

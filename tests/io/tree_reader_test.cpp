@@ -13,28 +13,29 @@
 namespace orthodrive {
 namespace {
 
-std::vector<Vec2> read(const std::vector<io::Feature>& features) {
+std::vector<Vec2> read_crowns(const std::vector<io::Feature>& features) {
   const Scratch scratch;
   io::write_geojson(scratch / "t.geojson", features, utm33);
   return io::read_trees({scratch / "t.geojson"}, site_of(1000.0));
 }
 
 TEST(TreeReader, takes_points_with_natural_tree_and_points_without_tags) {
-  const auto trees = read({{.points = {origin + Vec2{10, 20}}, .tags = {{"natural", "tree"}, {"name", "Lípa 木"}}},
-                           {.points = {origin + Vec2{30, 20}}},
-                           {.points = {origin + Vec2{50, 20}}, .tags = {{"natural", "peak"}}},
-                           {.points = {origin + Vec2{-10, 20}}, .tags = {{"natural", "tree"}}},
-                           {.polygons = {rectangle(origin.x, origin.y, origin.x + 9, origin.y + 9)}}});
+  const auto trees =
+      read_crowns({{.points = {origin + Vec2{10, 20}}, .tags = {{"natural", "tree"}, {"name", "Lípa 木"}}},
+                   {.points = {origin + Vec2{30, 20}}},
+                   {.points = {origin + Vec2{50, 20}}, .tags = {{"natural", "peak"}}},
+                   {.points = {origin + Vec2{-10, 20}}, .tags = {{"natural", "tree"}}},
+                   {.polygons = {rectangle(origin.x, origin.y, origin.x + 9, origin.y + 9)}}});
   ASSERT_EQ(trees.size(), 2U);
   EXPECT_LT(distance(trees[0], origin + Vec2{10, 20}), 0.02);
   EXPECT_LT(distance(trees[1], origin + Vec2{30, 20}), 0.02);
 }
 
 TEST(TreeReader, rows_have_a_tree_every_8_m_also_round_corners) {
-  const auto trees =
-      read({{.lines = {{origin + Vec2{10, 10}, origin + Vec2{30, 10}, origin + Vec2{30, 10}, origin + Vec2{30, 40}}},
-             .tags = {{"natural", "tree_row"}}},
-            {.lines = {{origin, origin + Vec2{90, 0}}}, .tags = {{"natural", "cliff"}}}});
+  const auto trees = read_crowns(
+      {{.lines = {{origin + Vec2{10, 10}, origin + Vec2{30, 10}, origin + Vec2{30, 10}, origin + Vec2{30, 40}}},
+        .tags = {{"natural", "tree_row"}}},
+       {.lines = {{origin, origin + Vec2{90, 0}}}, .tags = {{"natural", "cliff"}}}});
   ASSERT_EQ(trees.size(), 7U);  // 0, 8 ... 48 of 50 m
   EXPECT_LT(distance(trees[2], origin + Vec2{26, 10}), 0.05);
   EXPECT_LT(distance(trees[3], origin + Vec2{30, 14}), 0.05);

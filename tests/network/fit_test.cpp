@@ -75,7 +75,7 @@ void expect_fits(const PlanFit& fit, const std::vector<Vec2>& points, const FitP
 struct Stretch {
   double length, k0, k1;
 };
-std::vector<PlanElement> road_of(const std::vector<Stretch>& stretches, Vec2 start = orthodrive::testing::site_origin) {
+std::vector<PlanElement> plan_of(const std::vector<Stretch>& stretches, Vec2 start = orthodrive::testing::site_origin) {
   std::vector<PlanElement> plan;
   PlanElement next{.x = start.x, .y = start.y, .hdg = 0.4};
   for (const Stretch& stretch : stretches) {
@@ -170,7 +170,7 @@ TEST(FitPlan, closed_circle_joins_itself) {
 }
 
 TEST(FitPlan, road_of_lines_arcs_and_clothoids_is_recovered) {
-  const std::vector<PlanElement> truth = road_of(s_bend);
+  const std::vector<PlanElement> truth = plan_of(s_bend);
   for (const double noise_m : {0.0, 0.02}) {
     const std::vector<Vec2> points = sample(truth, noise_m);
     const FitPlanOptions options{.tolerance_m = 0.08};
@@ -196,7 +196,7 @@ TEST(FitPlan, road_of_lines_arcs_and_clothoids_is_recovered) {
 
 TEST(FitPlan, closed_road_is_smooth_through_its_seam) {
   // An oval whose first point lies in the middle of a clothoid.
-  std::vector<PlanElement> oval = road_of({{30, 0.005, 0.01},
+  std::vector<PlanElement> oval = plan_of({{30, 0.005, 0.01},
                                            {M_PI / 0.01 - 60.0, 0.01, 0.01},
                                            {60, 0.01, 0},
                                            {200, 0, 0},
@@ -240,7 +240,7 @@ TEST(FitPlan, figure_of_eight_and_spiral_inwards) {
   const PlanFit round = fit_plan(eight, options);
   expect_fits(round, eight, options);
   EXPECT_LE(round.elements.size(), 40u);
-  const std::vector<Vec2> inwards = sample(road_of({{300, 0.0, 0.2}}));
+  const std::vector<Vec2> inwards = sample(plan_of({{300, 0.0, 0.2}}));
   options.closed = false;
   const PlanFit fit = fit_plan(inwards, options);
   expect_fits(fit, inwards, options);
@@ -272,7 +272,7 @@ TEST(FitPlan, three_points_and_uneven_spacing) {
 }
 
 TEST(FitPlan, reversed_points_give_a_line_as_near_and_about_as_short) {
-  std::vector<Vec2> points = sample(road_of(s_bend), 0.02);
+  std::vector<Vec2> points = sample(plan_of(s_bend), 0.02);
   const FitPlanOptions options{.tolerance_m = 0.08};
   const PlanFit there = fit_plan(points, options);
   std::reverse(points.begin(), points.end());
@@ -286,7 +286,7 @@ TEST(FitPlan, reversed_points_give_a_line_as_near_and_about_as_short) {
 double fit_long_line(int s_bends) {
   std::vector<Stretch> stretches;
   for (int i = 0; i < s_bends; ++i) stretches.insert(stretches.end(), s_bend.begin(), s_bend.end());
-  const std::vector<Vec2> points = sample(road_of(stretches));
+  const std::vector<Vec2> points = sample(plan_of(stretches));
   EXPECT_GT(points.size(), 238u * static_cast<std::size_t>(s_bends));
   const FitPlanOptions options{.tolerance_m = 0.08};
   const auto start = std::clock();
@@ -336,7 +336,7 @@ TEST(Biarc, meets_both_poses_whatever_they_are) {
 }
 
 TEST(SlicePlan, slices_and_reversed_plans_lie_on_the_line) {
-  const std::vector<PlanElement> plan = fit_plan(sample(road_of(s_bend)), {.tolerance_m = 0.08}).elements;
+  const std::vector<PlanElement> plan = fit_plan(sample(plan_of(s_bend)), {.tolerance_m = 0.08}).elements;
   EXPECT_GT(count<roadquery::Spiral>(plan), 2);
   const double s0 = 131.0, s1 = 481.5;
   const std::vector<PlanElement> part = slice_plan(plan, s0, s1), back = reverse_plan(part);

@@ -86,7 +86,7 @@ void expect_sound_surfaces(const RoadMap& map, double off_m) {
 }
 
 /// Four arms of 60 m, the second way banked as given.
-RoadNetwork crossing(const std::function<double(Vec2)>& height, double banking = 0.0, double width_m = 7.0) {
+RoadNetwork crossing_on(const std::function<double(Vec2)>& height, double banking = 0.0, double width_m = 7.0) {
   return network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
                                {.osm_id = 1, .highway = "secondary", .width_m = width_m, .height = height}),
                      make_path({{0, -60}, {0, 0}, {0, 60}}, {4, 2, 5},
@@ -96,7 +96,7 @@ RoadNetwork crossing(const std::function<double(Vec2)>& height, double banking =
 }
 
 TEST(JunctionSurfaces, PlanarArmsGiveThePlane) {
-  const RoadMap map = build_network(crossing([](Vec2 p) { return 50.0 + 0.03 * p.x; }, -std::atan(0.03))).map;
+  const RoadMap map = build_network(crossing_on([](Vec2 p) { return 50.0 + 0.03 * p.x; }, -std::atan(0.03))).map;
   const JunctionSurface& surface = only_surface(map);
   expect_sound_surfaces(map, 5.5e-3);  // profiles are fitted to the surface within 5 mm
   int places = 0;
@@ -111,7 +111,7 @@ TEST(JunctionSurfaces, PlanarArmsGiveThePlane) {
 }
 
 TEST(JunctionSurfaces, CornersHaveTheKerbRadiusOfTheSideRoad) {
-  const RoadMap map = build_network(crossing([](Vec2) { return 0.0; })).map;
+  const RoadMap map = build_network(crossing_on([](Vec2) { return 0.0; })).map;
   const JunctionSurface& surface = only_surface(map);
   // Edges 3.5 m off the lines: the arc's centre lies at (8.5, 8.5), its nearest point to the corner 5 (sqrt 2 - 1) off.
   const double corner = 3.5 + 5.0 * (1.0 - std::sqrt(0.5));
@@ -125,7 +125,7 @@ TEST(JunctionSurfaces, CornersHaveTheKerbRadiusOfTheSideRoad) {
 }
 
 TEST(JunctionSurfaces, CornersHaveTheKerbRadiusThatWasSeen) {
-  RoadNetwork roads = crossing([](Vec2) { return 0.0; });
+  RoadNetwork roads = crossing_on([](Vec2) { return 0.0; });
   for (RoadPath& path : roads.paths)
     for (RoadNode& node : path.nodes)
       if (node.osm_node == 2) node.kerb_radius_m = 9.0;
@@ -172,7 +172,7 @@ double largest_curvature(const JunctionSurface& surface) {
 
 TEST(JunctionSurfaces, ArmsOfDifferentGradientMeetWithoutAKink) {
   // 6 % down to the junction and level behind it, on both ways.
-  const RoadMap map = build_network(crossing([](Vec2 p) { return 5.0 + 0.06 * std::max({-p.x, -p.y, 0.0}); })).map;
+  const RoadMap map = build_network(crossing_on([](Vec2 p) { return 5.0 + 0.06 * std::max({-p.x, -p.y, 0.0}); })).map;
   expect_sound_surfaces(map, 0.12);  // turns lie on a slope of 15 % that twists over half their width
   // A kink of 6 % would show as 0.06 over 1 cm: 6 1/m.
   EXPECT_LT(largest_curvature(only_surface(map)), 2.0);
@@ -184,7 +184,7 @@ TEST(JunctionSurfaces, TurningRoadsThatDisagreeGetOneSurface) {
   BuildNetworkOptions without;
   without.junction_surfaces = false;
   const auto saddle = [](Vec2 p) { return 20.0 + 0.0015 * (p.x * p.x - p.y * p.y); };
-  const RoadNetwork roads = crossing(saddle, 0.0, 14.0);
+  const RoadNetwork roads = crossing_on(saddle, 0.0, 14.0);
   RoadMap map = build_network(roads, without).map;
   EXPECT_FALSE(map.junctions.front().surface);
   const network::JunctionSurfaceSummary summary = network::add_junction_surfaces(map, {});
@@ -205,7 +205,7 @@ TEST(JunctionSurfaces, TurningRoadsThatDisagreeGetOneSurface) {
 
 TEST(JunctionSurfaces, DoNotDependOnPlaceOrOrder) {
   const auto height = [](Vec2 p) { return 30.0 + 0.02 * p.x - 0.03 * p.y + 0.001 * p.x * p.y; };
-  RoadNetwork roads = crossing(height);
+  RoadNetwork roads = crossing_on(height);
   const JunctionSurface first = only_surface(build_network(roads).map);
   std::swap(roads.paths[0], roads.paths[1]);
   const JunctionSurface turned = only_surface(build_network(roads).map);
@@ -299,7 +299,7 @@ TEST(JunctionSurfaces, IslandOfARingStaysOutside) {
 
 TEST(JunctionSurfaces, AreInTheFileAndComeBack) {
   const Scratch scratch;
-  const RoadMap map = build_network(crossing([](Vec2 p) { return 40.0 + 0.001 * p.x * p.y; })).map;
+  const RoadMap map = build_network(crossing_on([](Vec2 p) { return 40.0 + 0.001 * p.x * p.y; })).map;
   io::write_opendrive(scratch / "a.xodr", map);
   const RoadMap read = roadquery::read_opendrive((scratch / "a.xodr").string());
   const JunctionSurface &a = only_surface(map), &b = only_surface(read);
@@ -480,7 +480,7 @@ TEST(JunctionSurfaces, WhereNoRoadGoesThroughTheLargestOneIsTheMainRoad) {
 }
 
 /// The one road of a way, begins at its junction.
-const roadquery::Road& road_of(const RoadMap& map, const std::string& osm_id) {
+const roadquery::Road& road_of_way(const RoadMap& map, const std::string& osm_id) {
   for (const roadquery::Road& road : map.roads)
     if (road.junction < 0 && road.osm_id == osm_id) return road;
   ADD_FAILURE() << "no road of way " << osm_id;
@@ -504,7 +504,7 @@ TEST(JunctionSurfaces, RoadsThatLeaveTheMainRoadThroughAnotherJunctionTurnIntoIt
                make_path({{0, -3}, {8, -3}, {30, -30}}, {5, 0, 6},
                          {.osm_id = 3, .width_m = width_m, .height = [](Vec2 p) { return 10.0 - 0.06 * p.y; }})}))
           .map;
-  const roadquery::Road& side = road_of(map, "2");
+  const roadquery::Road& side = road_of_way(map, "2");
   const double y = roadquery::reference_point(side, 0.0).y - site_origin.y;
   EXPECT_LT(y, -5.0);
   EXPECT_NEAR(roadquery::elevation(side, 0.0), 10.0 + 0.05 * y, 0.04) << y;
@@ -526,7 +526,7 @@ TEST(JunctionSurfaces, ForksTurnIntoTheMainRoadThatTheyLieBeside) {
                make_path({{0, -3.5}, {60, -11.5}}, {5, 6},
                          {.osm_id = 3, .highway = "service", .width_m = 4.0, .height = [](Vec2) { return 10.0; }})}))
           .map;
-  const roadquery::Road& fork = road_of(map, "3");
+  const roadquery::Road& fork = road_of_way(map, "3");
   EXPECT_GT(roadquery::reference_point(fork, 0.0).x - site_origin.x, 3.0);
   EXPECT_NEAR(roadquery::elevation(fork, 0.0), 10.0, 0.04);
 }
@@ -534,7 +534,7 @@ TEST(JunctionSurfaces, ForksTurnIntoTheMainRoadThatTheyLieBeside) {
 TEST(JunctionSurfaces, RoadsThatCrossTurnIntoThePlaneOfTheMainRoadOnBothSides) {
   // A level main road with a crown of 2.5 % and 7 m: its edges lie 8.8 cm below the axis, where the level side road
   // crosses.
-  RoadNetwork roads = crossing([](Vec2) { return 10.0; });
+  RoadNetwork roads = crossing_on([](Vec2) { return 10.0; });
   for (RoadPath& path : roads.paths)
     for (RoadNode& node : path.nodes) node.crown = std::atan(0.025);
   const RoadMap map = build_network(roads).map;

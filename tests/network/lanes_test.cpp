@@ -16,7 +16,7 @@ using roadquery::Lane;
 using roadquery::LaneType;
 using roadquery::Road;
 
-int count_findings(const NetworkResult& result, const std::string& code) {
+int findings_of(const NetworkResult& result, const std::string& code) {
   return static_cast<int>(std::count_if(result.findings.begin(), result.findings.end(),
                                         [&](const Finding& finding) { return finding.code == code; }));
 }
@@ -185,7 +185,7 @@ TEST(Lanes, markings_and_speed_by_class_and_width) {
 }
 
 /// A crossing of way 1 (from the west, with `lanes` forward lanes), 2 (to the east), 3 (north) and 4 (south).
-RoadNetwork crossing(const std::string& arrows, int lanes) {
+RoadNetwork marked_crossing(const std::string& arrows, int lanes) {
   RoadPath west = make_path({{-100, 0}, {0, 0}}, {1, 9},
                             {.osm_id = 1, .highway = "primary", .width_m = 3.5 * (lanes + 1), .lanes = lanes + 1});
   west.lanes_forward = lanes, west.lanes_backward = 1, west.turn_forward = arrows;
@@ -195,7 +195,7 @@ RoadNetwork crossing(const std::string& arrows, int lanes) {
 }
 
 TEST(TurnLanes, arrows_give_each_turn_its_lanes) {
-  const NetworkResult result = build_network(crossing("left|through|right", 3));
+  const NetworkResult result = build_network(marked_crossing("left|through|right", 3));
   expect_sound(result.map);
   const auto lane_of = [&](const std::string& to) {
     const auto roads = movements(result.map, "1", to);
@@ -209,7 +209,7 @@ TEST(TurnLanes, arrows_give_each_turn_its_lanes) {
 }
 
 TEST(TurnLanes, without_arrows_all_lanes_go_straight_on) {
-  const NetworkResult result = build_network(crossing("", 2));
+  const NetworkResult result = build_network(marked_crossing("", 2));
   expect_sound(result.map);
   ASSERT_EQ(movements(result.map, "1", "2").size(), 1u);
   const auto& lanes = movements(result.map, "1", "2")[0]->sections[0].right;
@@ -220,7 +220,7 @@ TEST(TurnLanes, without_arrows_all_lanes_go_straight_on) {
 }
 
 TEST(TurnLanes, every_lane_out_of_a_junction_is_fed) {
-  RoadNetwork roads = crossing("", 1);
+  RoadNetwork roads = marked_crossing("", 1);
   roads.paths[1].lanes = 5, roads.paths[1].lanes_forward = 4, roads.paths[1].lanes_backward = 1;
   for (RoadNode& node : roads.paths[1].nodes) node.width_m = 17.5;
   const NetworkResult result = build_network(roads);
@@ -234,7 +234,7 @@ TEST(TurnLanes, every_lane_out_of_a_junction_is_fed) {
 }
 
 TEST(TurnRestrictions, forbidden_turns_have_no_road) {
-  RoadNetwork roads = crossing("", 1);
+  RoadNetwork roads = marked_crossing("", 1);
   EXPECT_EQ(movements(build_network(roads).map, "1", "3").size(), 1u);
   roads.restrictions = {{1, 9, 3, false}};
   roadquery::RoadMap map = build_network(roads).map;
@@ -370,14 +370,14 @@ TEST(Roundabout, is_told_by_its_form_and_sense) {
 
 TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
   const NetworkResult result = build_network(ring_with_arms(true, 0.5));
-  EXPECT_EQ(count_findings(result, "network.roundabout_closed"), 1);
+  EXPECT_EQ(findings_of(result, "network.roundabout_closed"), 1);
   expect_ring(result.map, 15.0);
   const NetworkResult half = build_network(ring_with_arms(true, 1.5));  // a quarter is missing: still one
-  EXPECT_EQ(count_findings(half, "network.roundabout_closed"), 1);
+  EXPECT_EQ(findings_of(half, "network.roundabout_closed"), 1);
   RoadNetwork bent =
       network_of({make_path({{0, 0}, {40, 0}, {60, 30}}, {1, 2, 3}, {.oneway = Oneway::forward, .roundabout = true})});
   const NetworkResult open = build_network(bent);
-  EXPECT_EQ(count_findings(open, "network.roundabout_open"), 1);
+  EXPECT_EQ(findings_of(open, "network.roundabout_open"), 1);
   expect_sound(open.map);
   EXPECT_EQ(open.map.roads.size(), 1u);
 }
@@ -390,19 +390,19 @@ TEST(Roundabout, of_two_way_roads_is_assumed_where_it_is_a_circle_with_arms) {
   std::reverse(turned.nodes.begin(), turned.nodes.end());
   for (RoadNode& node : turned.nodes) node.s_m = length - node.s_m;
   const NetworkResult result = build_network(roads);
-  EXPECT_EQ(count_findings(result, "network.roundabout_assumed"), 1);
+  EXPECT_EQ(findings_of(result, "network.roundabout_assumed"), 1);
   expect_ring(result.map, 15.0);
   // Two arms are a lay-by, and a block's corners are no circle.
   roads.paths.erase(roads.paths.begin() + 7);
   roads.paths.erase(roads.paths.begin() + 5);
-  EXPECT_EQ(count_findings(build_network(roads), "network.roundabout_assumed"), 0);
+  EXPECT_EQ(findings_of(build_network(roads), "network.roundabout_assumed"), 0);
   std::vector<RoadPath> block;
   const Vec2 corner[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
   for (int i = 0; i < 4; ++i) {
     block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1}, {.osm_id = i + 1}));
     block.push_back(make_path({corner[i], corner[i] * 3.0 - Vec2{40, 40}}, {i + 1, i + 11}, {.osm_id = i + 11}));
   }
-  EXPECT_EQ(count_findings(build_network(network_of(block)), "network.roundabout_assumed"), 0);
+  EXPECT_EQ(findings_of(build_network(network_of(block)), "network.roundabout_assumed"), 0);
 }
 
 TEST(Junction, of_nine_roads_connects_them_all) {
@@ -420,7 +420,7 @@ TEST(Junction, of_nine_roads_connects_them_all) {
 }
 
 TEST(Junction, higher_class_goes_first) {
-  const NetworkResult result = build_network(crossing("", 1));
+  const NetworkResult result = build_network(marked_crossing("", 1));
   ASSERT_EQ(result.map.junctions.size(), 1u);
   const auto& priorities = result.map.junctions[0].priorities;
   ASSERT_FALSE(priorities.empty());
@@ -521,7 +521,7 @@ TEST(LaneLayout, a_car_fits_into_every_lane) {
       network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.osm_id = 1, .width_m = 2.0}),
                   make_path({{0, 30}, {60, 30}}, {3, 4}, {.osm_id = 2, .width_m = 3.9}),
                   make_path({{0, 60}, {60, 60}}, {5, 6}, {.osm_id = 3, .width_m = 2.0, .oneway = Oneway::forward})}));
-  EXPECT_EQ(count_findings(result, "network.widened"), 1) << "3.9 m and a one-way road of 2 m are near enough";
+  EXPECT_EQ(findings_of(result, "network.widened"), 1) << "3.9 m and a one-way road of 2 m are near enough";
   for (const Road* road : plain_roads(result.map))
     for (const auto* side : {&road->sections[0].left, &road->sections[0].right})
       for (const Lane& lane : *side)
@@ -548,7 +548,7 @@ TEST(LaneLayout, three_lanes_on_four_metres_are_told) {
   const NetworkResult result =
       build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.width_m = 4.0, .lanes = 3})}));
   expect_sound(result.map);
-  EXPECT_EQ(count_findings(result, "network.too_many_lanes"), 1);
+  EXPECT_EQ(findings_of(result, "network.too_many_lanes"), 1);
   EXPECT_EQ(result.map.roads.at(0).sections[0].left.size() + result.map.roads[0].sections[0].right.size(), 2u);
 }
 

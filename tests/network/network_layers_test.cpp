@@ -23,7 +23,7 @@ using namespace orthodrive::testing;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-RoadMap crossing() {
+RoadMap plain_crossing() {
   const auto height = [](Vec2 p) { return 40.0 + 0.02 * p.x; };
   return build_network(network_of({make_path({{-150, 0}, {0, 0}, {150, 0}}, {1, 2, 3},
                                              {.osm_id = 11, .highway = "primary", .width_m = 8.0, .height = height}),
@@ -74,7 +74,7 @@ Counts of_features(const std::vector<io::Feature>& features) {
 
 TEST(NetworkLayers, both_files_hold_the_network) {
   const Scratch scratch;
-  const RoadMap map = crossing();
+  const RoadMap map = plain_crossing();
   const Counts want = of_map(map);
   io::write_network_layers(scratch / "a.gpkg", map);
   io::write_network_geojson(scratch / "a.geojson", map);
@@ -159,7 +159,7 @@ TEST(NetworkLayers, lanes_that_tight_turns_fold_are_valid_in_both_files) {
 
 TEST(NetworkLayers, geojson_is_in_degrees_with_rings_counter_clockwise) {
   const Scratch scratch;
-  io::write_network_geojson(scratch / "a.geojson", crossing());
+  io::write_network_geojson(scratch / "a.geojson", plain_crossing());
   const std::string text = bytes_of(scratch / "a.geojson");
   EXPECT_EQ(text.find("\"crs\""), std::string::npos) << "RFC 7946 has no other CRS";
   EXPECT_NE(text.find("\"layer_name\":\"junctions\""), std::string::npos);
@@ -177,7 +177,7 @@ TEST(NetworkLayers, geojson_is_in_degrees_with_rings_counter_clockwise) {
 
 TEST(NetworkLayers, same_network_gives_the_same_bytes_and_none_is_refused_without_a_place) {
   const Scratch scratch;
-  RoadMap map = crossing();
+  RoadMap map = plain_crossing();
   io::write_network_layers(scratch / "a.gpkg", map);
   io::write_network_layers(scratch / "b.gpkg", map);
   EXPECT_EQ(bytes_of(scratch / "a.gpkg"), bytes_of(scratch / "b.gpkg"));

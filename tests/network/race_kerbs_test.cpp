@@ -40,10 +40,10 @@ PathOptions raceway(std::int64_t id = 1) {
   return {.osm_id = id, .highway = "raceway", .width_m = 12.0, .oneway = Oneway::forward};
 }
 
-roadquery::RoadMap map_of(std::vector<RoadPath> paths) { return build_network(network_of(std::move(paths))).map; }
+roadquery::RoadMap built_map(std::vector<RoadPath> paths) { return build_network(network_of(std::move(paths))).map; }
 
 TEST(RaceKerbs, lie_inside_the_bend_and_outside_at_its_exit) {
-  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, raceway())});
+  const roadquery::RoadMap map = built_map({make_path(corner_of(60.0), {1}, raceway())});
   ASSERT_EQ(map.roads.size(), 1u);
   const Road& road = map.roads[0];
   const double turn_m = 60.0 * M_PI / 2, apex = 200.0 + 0.5 * turn_m, exit = 200.0 + turn_m;
@@ -62,7 +62,7 @@ TEST(RaceKerbs, lie_inside_the_bend_and_outside_at_its_exit) {
 }
 
 TEST(RaceKerbs, rise_to_their_outer_border_and_the_query_feels_them) {
-  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, raceway())});
+  const roadquery::RoadMap map = built_map({make_path(corner_of(60.0), {1}, raceway())});
   const Road& road = map.roads[0];
   const double s = 200.0 + 15.0 * M_PI;
   const roadquery::Edges edges = roadquery::road_edges(road, s);
@@ -80,7 +80,7 @@ TEST(RaceKerbs, rise_to_their_outer_border_and_the_query_feels_them) {
 }
 
 TEST(RaceKerbs, tracks_have_lines_along_their_edges_only) {
-  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, raceway())});
+  const roadquery::RoadMap map = built_map({make_path(corner_of(60.0), {1}, raceway())});
   const roadquery::LaneSection& section = map.roads[0].sections[0];
   EXPECT_EQ(section.center.marks.at(0).type, "solid");
   std::vector<std::string> types;
@@ -93,18 +93,18 @@ TEST(RaceKerbs, tracks_have_lines_along_their_edges_only) {
 }
 
 TEST(RaceKerbs, wide_bends_and_other_roads_have_none) {
-  for (const Road& road : map_of({make_path(corner_of(300.0), {1}, raceway())}).roads)
+  for (const Road& road : built_map({make_path(corner_of(300.0), {1}, raceway())}).roads)
     for (const bool left : {true, false}) EXPECT_EQ(kerb_of(road, left), nullptr);
   PathOptions street = raceway();
   street.highway = "tertiary";
-  for (const Road& road : map_of({make_path(corner_of(60.0), {1}, street)}).roads)
+  for (const Road& road : built_map({make_path(corner_of(60.0), {1}, street)}).roads)
     for (const bool left : {true, false}) EXPECT_EQ(kerb_of(road, left), nullptr);
 }
 
 TEST(RaceKerbs, tracks_driven_both_ways_have_exits_at_both_ends) {
   PathOptions both = raceway();
   both.oneway = Oneway::no;
-  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, both)});
+  const roadquery::RoadMap map = built_map({make_path(corner_of(60.0), {1}, both)});
   const double exit = 200.0 + 30.0 * M_PI;
   EXPECT_NEAR(kerb_width(map.roads[0], false, exit + 15.0), race_kerb_m, 1e-9);
   EXPECT_NEAR(kerb_width(map.roads[0], false, 185.0), race_kerb_m, 1e-9);
@@ -126,7 +126,7 @@ std::vector<RoadPath> ring() {
 }
 
 TEST(RaceKerbs, go_on_where_two_roads_meet_in_a_bend) {
-  const roadquery::RoadMap map = map_of(ring());
+  const roadquery::RoadMap map = built_map(ring());
   ASSERT_EQ(map.roads.size(), 2u);
   for (const Road& road : map.roads) {
     EXPECT_NEAR(kerb_width(road, true, 0.0), race_kerb_m, 1e-9) << "also across the seam";
@@ -145,7 +145,7 @@ TEST(RaceKerbs, end_before_other_carriageways) {
   for (const Vec2 p : circle_points({0, 60}, 50.6, -M_PI / 2, M_PI / 2)) pit.push_back(p);
   PathOptions narrow = raceway(2);
   narrow.width_m = 6.0;
-  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, raceway()), make_path(pit, {5}, narrow)});
+  const roadquery::RoadMap map = built_map({make_path(corner_of(60.0), {1}, raceway()), make_path(pit, {5}, narrow)});
   for (const Road& road : map.roads) {
     if (road.osm_id != "1") continue;
     EXPECT_EQ(kerb_width(road, true, 200.0 + 15.0 * M_PI), 0.0);

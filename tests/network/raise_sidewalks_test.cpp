@@ -23,7 +23,7 @@ std::optional<double> walk_height(const Road& road, bool left, double s) {
   return std::nullopt;
 }
 
-const Road& road_of(const roadquery::RoadMap& map, const std::string& osm_id) {
+const Road& road_with_sidewalk(const roadquery::RoadMap& map, const std::string& osm_id) {
   for (const Road& road : map.roads)
     if (road.junction < 0 && road.osm_id == osm_id) return road;
   throw std::runtime_error("no road of way " + osm_id);
@@ -36,7 +36,7 @@ TEST(RaiseSidewalks, kerbs_fade_out_before_junctions_and_are_low_at_crosswalks) 
                                   make_path({{0, 0}, {0, 100}}, {9, 3}, {.osm_id = 3})});
   roads.signs = {{7, NodeSignKind::zebra, 0}};
   const roadquery::RoadMap map = build_network(roads).map;
-  const Road& road = road_of(map, "1");
+  const Road& road = road_with_sidewalk(map, "1");
   EXPECT_FALSE(walk_height(road, true, 20.0));
   EXPECT_EQ(walk_height(road, false, 0.0), 0.0);
   EXPECT_NEAR(*walk_height(road, false, 0.5), 0.5 * kerb_m, 1e-9);
@@ -54,16 +54,17 @@ TEST(RaiseSidewalks, joints_of_roads_have_one_height) {
   a.sidewalk = Sides::left, b.sidewalk = Sides::both;  // b runs the other way: its right is a's left
   RoadNetwork roads = network_of({a, b});
   roadquery::RoadMap map = build_network(roads).map;
-  EXPECT_EQ(walk_height(road_of(map, "1"), true, 60.0), kerb_m) << "the walk goes on";
-  EXPECT_EQ(walk_height(road_of(map, "2"), false, 60.0), kerb_m);
-  EXPECT_EQ(walk_height(road_of(map, "2"), true, 60.0), 0.0) << "no walk beyond";
+  EXPECT_EQ(walk_height(road_with_sidewalk(map, "1"), true, 60.0), kerb_m) << "the walk goes on";
+  EXPECT_EQ(walk_height(road_with_sidewalk(map, "2"), false, 60.0), kerb_m);
+  EXPECT_EQ(walk_height(road_with_sidewalk(map, "2"), true, 60.0), 0.0) << "no walk beyond";
   // A crosswalk on the joint's far side: as low on both.
   roads.paths[1] = make_path({{60, 0}, {2, 0}, {0, 0}}, {2, 7, 9}, {.osm_id = 2});
   roads.paths[1].sidewalk = Sides::both;
   roads.signs = {{7, NodeSignKind::zebra, 0}};
   map = build_network(roads).map;
-  EXPECT_NEAR(*walk_height(road_of(map, "1"), true, 60.0), *walk_height(road_of(map, "2"), false, 60.0), 1e-3);
-  EXPECT_NEAR(*walk_height(road_of(map, "1"), true, 60.0), lowered_kerb_m, 1e-3);
+  EXPECT_NEAR(*walk_height(road_with_sidewalk(map, "1"), true, 60.0),
+              *walk_height(road_with_sidewalk(map, "2"), false, 60.0), 1e-3);
+  EXPECT_NEAR(*walk_height(road_with_sidewalk(map, "1"), true, 60.0), lowered_kerb_m, 1e-3);
 }
 
 TEST(RaiseSidewalks, what_cars_drive_on_is_the_same_with_and_without_them) {

@@ -43,14 +43,14 @@ void add_trace(GpsTraces& traces, Polyline line, const Drive& drive) {
   traces.traces.push_back(std::move(trace));
 }
 
-Polyline s_curve() {
+Polyline traced_curve() {
   return trace(360.0, [](double s) { return at(20.0 + s, 200.0 + 30.0 * std::sin(s / 55.0)); });
 }
 
 /// The map lies `off_m` to the left of a road that trees hide for its whole length.
 RoadScene hidden_road(double off_m) {
   RoadScene scene = make_scene(400.0);
-  scene.truth.push_back({s_curve(), 5.5});
+  scene.truth.push_back({traced_curve(), 5.5});
   add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = [off_m](double) { return off_m; }}, 5.5));
   return scene;
 }
@@ -80,7 +80,7 @@ TEST(GpsTraces, a_hidden_road_follows_what_traces_agree_on) {
   GpsTraces traces = no_traces();
   for (const Vec2 error : {Vec2{2.0, 2.5}, Vec2{-3.0, -1.0}, Vec2{1.0, -1.5}})  // none on average
     for (const bool backwards : {false, true})
-      add_trace(traces, s_curve(), {error, 0.25 * 5.5, backwards, 0.5, traces.traces.size() + 1});
+      add_trace(traces, traced_curve(), {error, 0.25 * 5.5, backwards, 0.5, traces.traces.size() + 1});
   const RoadNetwork without = refine_roads(scene.osm, scene.labels).roads;
   EXPECT_GT(mean(offsets_from(without.paths[0], scene.truth[0])), 4.5);
   const auto result = refine_roads(scene.osm, scene.labels, {}, nullptr, traces);
@@ -99,7 +99,7 @@ TEST(GpsTraces, the_error_of_a_hidden_road_is_as_large_as_stated) {
     const RoadScene scene = hidden_road(random.uniform(-7.0, 7.0));
     GpsTraces traces = no_traces();
     for (int t = 0; t < 3; ++t)
-      add_trace(traces, s_curve(),
+      add_trace(traces, traced_curve(),
                 {{3.0 * random.normal(), 3.0 * random.normal()},
                  0.25 * 5.5,
                  t % 2 == 0,
@@ -118,11 +118,11 @@ TEST(GpsTraces, the_error_of_a_hidden_road_is_as_large_as_stated) {
 
 TEST(GpsTraces, traces_do_not_spoil_a_road_that_is_seen) {
   RoadScene scene = make_scene(400.0);
-  add_truth(scene, s_curve(), 6.0);
+  add_truth(scene, traced_curve(), 6.0);
   add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = [](double) { return 2.0; }}, 5.5));
   GpsTraces traces = no_traces();
   for (const int seed : {1, 2})
-    add_trace(traces, s_curve(), {{1.0, -5.0}, 1.5, false, 1.0, static_cast<std::uint64_t>(seed)});
+    add_trace(traces, traced_curve(), {{1.0, -5.0}, 1.5, false, 1.0, static_cast<std::uint64_t>(seed)});
   const RoadPath without = refine_roads(scene.osm, scene.labels).roads.paths.at(0),
                  with = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0);
   const RoadError before = compare(without, scene.truth[0]), after = compare(with, scene.truth[0]);
@@ -181,8 +181,8 @@ TEST(GpsTraces, parallel_roads_keep_their_own_traces) {
 TEST(GpsTraces, one_that_took_another_way_is_outvoted) {
   const RoadScene scene = hidden_road(0.0);
   GpsTraces traces = no_traces();
-  for (int k = 0; k < 4; ++k) add_trace(traces, s_curve(), {{}, 0.25 * 5.5, k % 2 == 0});
-  add_trace(traces, s_curve(), {{}, 10.0, true});
+  for (int k = 0; k < 4; ++k) add_trace(traces, traced_curve(), {{}, 0.25 * 5.5, k % 2 == 0});
+  add_trace(traces, traced_curve(), {{}, 10.0, true});
   const RoadPath path = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0);
   EXPECT_LT(std::abs(mean(offsets_from(path, scene.truth[0]))), 0.9);  // the mean of all is 1.7 m off
 }
@@ -191,7 +191,7 @@ TEST(GpsTraces, laps_of_one_recording_are_one_witness) {
   const auto sigma_with = [](std::size_t recordings) {
     const RoadScene scene = hidden_road(0.0);
     GpsTraces traces = no_traces();
-    for (int k = 0; k < 8; ++k) add_trace(traces, s_curve(), {{}, 0.25 * 5.5});
+    for (int k = 0; k < 8; ++k) add_trace(traces, traced_curve(), {{}, 0.25 * 5.5});
     for (std::size_t k = 0; k < traces.traces.size(); ++k) traces.traces[k].recording = k % recordings;
     return refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0).nodes[90].sigma_offset_m;
   };
@@ -307,15 +307,15 @@ TEST(GpsTraces, a_path_that_only_traces_know_is_added_once_and_lies_on_the_road)
 
 TEST(GpsTraces, what_is_seen_of_a_road_tells_the_error_of_its_traces) {
   RoadScene scene = make_scene(400.0);
-  add_truth(scene, s_curve(), 4.0);
+  add_truth(scene, traced_curve(), 4.0);
   paint(scene.labels, {at(200, 0), at(400, 0), at(400, 400), at(200, 400)}, label_vegetation);
   GpsTraces traces = no_traces();
-  for (const bool backwards : {false, true}) add_trace(traces, s_curve(), {{1.0, -3.5}, 0.0, backwards});
+  for (const bool backwards : {false, true}) add_trace(traces, traced_curve(), {{1.0, -3.5}, 0.0, backwards});
   const auto result = refine_roads(scene.osm, scene.labels, {}, nullptr, traces);
   ASSERT_EQ(result.roads.paths.size(), 1u);
   double hidden_m = 0.0, count = 0.0;
   for (const RoadNode& node : result.roads.paths[0].nodes)
-    if (node.p.x > at(220, 0).x) hidden_m += project_onto(s_curve(), node.p).distance_m, count += 1.0;
+    if (node.p.x > at(220, 0).x) hidden_m += project_onto(traced_curve(), node.p).distance_m, count += 1.0;
   std::printf("hidden part of the traces: %.2f m\n", hidden_m / count);
   EXPECT_LT(hidden_m / count, 0.5);  // the traces are 3 m off
 }
@@ -431,7 +431,7 @@ TEST(GpsTraces, a_receiver_that_stands_or_turns_makes_no_path) {
 
 TEST(GpsTraces, far_ones_are_told_and_change_nothing) {
   RoadScene scene = make_scene(400.0);
-  add_truth(scene, s_curve(), 6.0);
+  add_truth(scene, traced_curve(), 6.0);
   add_way(scene, 1, map_line(scene.truth[0].line, {}, 5.5));
   GpsTraces traces = no_traces();
   add_trace(traces, straight(at(90000, 0), at(90100, 0)), {});

@@ -15,7 +15,7 @@ namespace {
 using namespace test;
 
 constexpr double size_m = 120.0;
-const Vec2 middle = at(60.0, 60.0);
+const Vec2 corner_at = at(60.0, 60.0);
 
 RoadPath way(std::int64_t id, Vec2 from, Vec2 to, double width_m, std::int64_t at_middle) {
   RoadPath path{.osm_id = id, .highway = "residential"};
@@ -23,21 +23,21 @@ RoadPath way(std::int64_t id, Vec2 from, Vec2 to, double width_m, std::int64_t a
   for (double s = 0.0; s <= whole + 1e-9; s += 2.0) {
     const Vec2 p = from + (to - from) * (s / whole);
     path.nodes.push_back(
-        {.p = p, .osm_node = distance(p, middle) < 1e-6 ? at_middle : 0, .s_m = s, .width_m = width_m});
+        {.p = p, .osm_node = distance(p, corner_at) < 1e-6 ? at_middle : 0, .s_m = s, .width_m = width_m});
   }
   return path;
 }
 
-Vec2 towards(double angle, double far = 50.0) { return middle + Vec2{std::cos(angle), std::sin(angle)} * far; }
+Vec2 towards(double angle, double far = 50.0) { return corner_at + Vec2{std::cos(angle), std::sin(angle)} * far; }
 
 /// Whether a kerb of that radius paves `p` between the edges of two roads that leave at the angles a < b.
 bool is_paved(Vec2 p, double a, double b, double width_m, double radius_m) {
   const Vec2 u{std::cos(a), std::sin(a)}, v{std::cos(b), std::sin(b)};
   // Distances from the edges; the arc's centre has the radius as both.
-  const double from_a = cross(u, p - middle) - 0.5 * width_m, from_b = cross(p - middle, v) - 0.5 * width_m;
+  const double from_a = cross(u, p - corner_at) - 0.5 * width_m, from_b = cross(p - corner_at, v) - 0.5 * width_m;
   if (from_a < 0.0 || from_b < 0.0) return false;
   const double sine = std::sin(b - a), off = 0.5 * width_m + radius_m;
-  const Vec2 center = middle + (u + v) * (off / sine);
+  const Vec2 center = corner_at + (u + v) * (off / sine);
   const Vec2 touch_a = center - left_normal(u) * radius_m, touch_b = center + left_normal(v) * radius_m;
   const bool before_chord = cross(touch_b - touch_a, p - touch_a) > 0.0;
   return before_chord && distance(p, center) >= radius_m;
@@ -92,12 +92,12 @@ TEST(KerbRadius, of_sharp_corners_is_small) {
 TEST(KerbRadius, trees_hide_corners_and_squares_have_none) {
   RoadScene scene = crossing(M_PI / 2, {5.0, 5.0, 5.0, 5.0});
   for (const Vec2 sign : {Vec2{1, 1}, {-1, 1}, {-1, -1}})  // three of four
-    paint_disc(scene.labels, middle + sign * 8.0, 7.0, label_vegetation);
+    paint_disc(scene.labels, corner_at + sign * 8.0, 7.0, label_vegetation);
   EXPECT_NEAR(measured(scene), 5.0, 0.35);
-  paint_disc(scene.labels, middle + Vec2{8.0, -8.0}, 7.0, label_vegetation);
+  paint_disc(scene.labels, corner_at + Vec2{8.0, -8.0}, 7.0, label_vegetation);
   EXPECT_EQ(measured(scene), 0.0);
   RoadScene square = crossing(M_PI / 2, {5.0, 5.0, 5.0, 5.0});
-  paint_disc(square.labels, middle, 40.0, label_road);
+  paint_disc(square.labels, corner_at, 40.0, label_road);
   EXPECT_EQ(measured(square), 0.0);
 }
 
@@ -123,7 +123,7 @@ TEST(KerbRadius, specks_do_not_move_it) {
 TEST(KerbRadius, needs_three_arms_and_room_for_them) {
   RoadScene scene = make_scene(size_m, 0.25);
   const Vec2 from = towards(M_PI), to = towards(0.0);
-  scene.osm.paths = {way(1, from, to, 7.0, 7), way(2, middle, middle + Vec2{0.0, 6.0}, 7.0, 7)};
+  scene.osm.paths = {way(1, from, to, 7.0, 7), way(2, corner_at, corner_at + Vec2{0.0, 6.0}, 7.0, 7)};
   EXPECT_EQ(measure_kerb_radii(scene.osm, scene.labels), 0);
   scene.osm.paths.clear();
   EXPECT_EQ(measure_kerb_radii(scene.osm, scene.labels), 0);

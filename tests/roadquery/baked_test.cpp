@@ -21,7 +21,8 @@ using test::append;
 using test::make_lane;
 using test::make_road;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(),
+                 infinity = std::numeric_limits<double>::infinity();
 
 /// Every shape of line, some of them tight; cubics everywhere, a crown that changes, a lane that begins and one that
 /// widens.
@@ -49,14 +50,14 @@ Road everything() {
   return road;
 }
 
-RoadMap one_road(Road road) {
+RoadMap map_of_road(Road road) {
   RoadMap map;
   map.roads = {std::move(road)};
   return map;
 }
 
 TEST(BakedRoad, is_the_exact_surface_within_a_tenth_of_a_millimetre) {
-  const RoadQuery query(one_road(everything()));
+  const RoadQuery query(map_of_road(everything()));
   const Road& road = query.map().roads[0];
   for (const Station& q : query.baked().stations) {
     for (const double part : {-0.999, -0.7, -0.3, 0.1, 0.5, 0.999}) {
@@ -93,7 +94,7 @@ TEST(BakedRoad, shapes_that_begin_under_a_point_on_a_banked_road_are_the_exact_o
     road.shape.insert(
         road.shape.end(),
         {{s, -2.0, 0.15, -0.02, 0.0, 0.0}, {s, 1.0, 0.09, 0.1, 0.02, 0.0}, {s, 1.5, 0.145, -0.2, 0.0, 0.0}});
-  const RoadQuery query(one_road(road));
+  const RoadQuery query(map_of_road(road));
   for (double t = 0.9; t < 1.6; t += 1e-3) {
     const SurfacePoint exact = surface_point(road, 31.0, t);
     Cursor cursor{0, 31.0};
@@ -105,7 +106,7 @@ TEST(BakedRoad, shapes_that_begin_under_a_point_on_a_banked_road_are_the_exact_o
 }
 
 TEST(BakedRoad, lanes_are_those_of_the_road_with_their_material) {
-  const RoadQuery query(one_road(everything()));
+  const RoadQuery query(map_of_road(everything()));
   const auto at = [&](double s, double t) { return query.at(0, s, t).value(); };
   EXPECT_EQ(at(10.0, 1.0).lane_id, 1);
   EXPECT_EQ(at(10.0, -3.0).lane_id, -1);
@@ -121,7 +122,7 @@ TEST(BakedRoad, lanes_are_those_of_the_road_with_their_material) {
 }
 
 TEST(RoadQuery, height_alone_is_the_hits_height) {
-  RoadMap map = one_road(everything());
+  RoadMap map = map_of_road(everything());
   map.roads.push_back(make_road(2, {0.0, 458010.0, 5540000.0, 1.2, 60.0, Line{}}, 200.4));
   map.roads[1].id = 2;
   const RoadQuery query(map);
@@ -142,7 +143,7 @@ TEST(RoadQuery, height_alone_is_the_hits_height) {
 }
 
 TEST(RoadQuery, does_not_allocate) {
-  RoadMap map = one_road(everything());
+  RoadMap map = map_of_road(everything());
   map.roads.push_back(make_road(2, {0.0, 458010.0, 5540000.0, 1.2, 60.0, Line{}}, 200.4));
   const RoadQuery query(map);
   std::mt19937 random(1);
@@ -151,7 +152,7 @@ TEST(RoadQuery, does_not_allocate) {
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
     const double x = 458000.0 + 60.0 * (random() / 4294967296.0), y = 5540000.0 + 60.0 * (random() / 4294967296.0);
-    hits += query.find(x, y, 200.0, cursor).has_value() + query.find_height(x, y, nan, cursor).has_value();
+    hits += query.find(x, y, 200.0, cursor).has_value() + query.find_height(x, y, not_a_number, cursor).has_value();
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_GT(hits, 1000);
@@ -160,23 +161,24 @@ TEST(RoadQuery, does_not_allocate) {
 }
 
 TEST(RoadQuery, numbers_that_are_none_have_defined_answers) {
-  const RoadQuery query(one_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}}, 5.0)));
-  for (const double v : {nan, infinity, -infinity, 1e300, 4e9, -4e9}) {
+  const RoadQuery query(map_of_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}}, 5.0)));
+  for (const double v : {not_a_number, infinity, -infinity, 1e300, 4e9, -4e9}) {
     Cursor cursor{0, 50.0};
     EXPECT_FALSE(query.find(v, 0.0, 5.0, cursor));
     EXPECT_EQ(cursor.road, -1);
     cursor = {0, 50.0};
     EXPECT_FALSE(query.find_height(50.0, v, 5.0, cursor));
-    EXPECT_FALSE(query.at(0, 50.0, std::isfinite(v) ? nan : v));
+    EXPECT_FALSE(query.at(0, 50.0, std::isfinite(v) ? not_a_number : v));
   }
-  for (const double guess : {nan, infinity, -infinity, 1e300}) {  // the surface there is, however far the guess
+  for (const double guess :
+       {not_a_number, infinity, -infinity, 1e300}) {  // the surface there is, however far the guess
     Cursor cursor{0, 50.0};
     EXPECT_EQ(query.find(50.0, 1.0, guess, cursor).value().z, 5.0);
   }
-  EXPECT_FALSE(query.at(0, nan, 0.0));
+  EXPECT_FALSE(query.at(0, not_a_number, 0.0));
   EXPECT_FALSE(query.at(7, 1.0, 0.0));
   EXPECT_EQ(query.at(0, 1e9, 0.0).value().s, 100.0);
-  for (const double s : {nan, infinity, -1e300}) {
+  for (const double s : {not_a_number, infinity, -1e300}) {
     Cursor cursor{0, s};
     EXPECT_TRUE(query.find(50.0, 1.0, 5.0, cursor)) << "a cursor with a broken s";
   }
@@ -198,10 +200,11 @@ TEST(RoadQuery, guess_half_way_between_two_decks_takes_the_first_road) {
 
 TEST(RoadQuery, road_that_cannot_be_is_refused) {
   Road turning = make_road(1, {0.0, 0.0, 0.0, 0.0, 1000.0, Arc{1.0}});
-  EXPECT_THROW(RoadQuery{one_road(turning)}, std::runtime_error);
-  EXPECT_THROW(RoadQuery{one_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 2e7, Line{}}))}, std::runtime_error);
-  EXPECT_THROW(RoadQuery{one_road(make_road(1, {0.0, 2e8, 0.0, 0.0, 20.0, Line{}}))}, std::runtime_error);
-  EXPECT_THROW(RoadQuery{one_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 20.0, Line{}}, 0.0, 2000.0))}, std::runtime_error);
+  EXPECT_THROW(RoadQuery{map_of_road(turning)}, std::runtime_error);
+  EXPECT_THROW(RoadQuery{map_of_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 2e7, Line{}}))}, std::runtime_error);
+  EXPECT_THROW(RoadQuery{map_of_road(make_road(1, {0.0, 2e8, 0.0, 0.0, 20.0, Line{}}))}, std::runtime_error);
+  EXPECT_THROW(RoadQuery{map_of_road(make_road(1, {0.0, 0.0, 0.0, 0.0, 20.0, Line{}}, 0.0, 2000.0))},
+               std::runtime_error);
 }
 
 TEST(RoadQuery, mesh_sample_is_what_a_wheel_finds) {

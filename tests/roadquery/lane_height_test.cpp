@@ -34,7 +34,7 @@ Road walk_road() {
   return road;
 }
 
-RoadMap one_road(Road road) {
+RoadMap road_alone(Road road) {
   RoadMap map;
   map.roads = {std::move(road)};
   return map;
@@ -76,7 +76,7 @@ TEST(LaneHeight, normal_is_the_cross_product_of_numerical_tangents) {
 }
 
 TEST(LaneHeight, the_query_has_the_exact_surface_on_walks_and_beside_them) {
-  const RoadQuery query(one_road(walk_road()));
+  const RoadQuery query(road_alone(walk_road()));
   const Road& road = query.map().roads[0];
   Cursor cursor;
   for (double s = 0.051; s < road.length; s += 0.17) {
@@ -98,7 +98,7 @@ TEST(LaneHeight, the_query_has_the_exact_surface_on_walks_and_beside_them) {
 TEST(LaneHeight, driving_lanes_answer_as_without_walks) {
   Road flat = walk_road();
   flat.sections[0].right[1].heights.clear();
-  const RoadQuery with(one_road(walk_road())), without(one_road(flat));
+  const RoadQuery with(road_alone(walk_road())), without(road_alone(flat));
   for (double s = 0.3; s < 100.0; s += 1.3) {
     for (const double t : {-3.2, -0.5, 2.0}) {
       const SurfacePoint p = surface_point(flat, s, t);

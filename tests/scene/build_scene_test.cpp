@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <mutex>
-#include <numbers>
 #include <set>
 
 #include "orthodrive/core/byte_archive.hpp"
@@ -14,8 +13,6 @@ namespace orthodrive {
 namespace {
 
 using namespace scene_test;
-
-constexpr double pi = std::numbers::pi;
 
 SceneTile build_one(const Site& site, TileAddress address = {1000, 13000}, const SceneOptions& options = {}) {
   return build_scene_tile(*lay_out_scene(site.input(), options), address);

@@ -76,10 +76,10 @@ TEST(Parking, lies_on_the_terrain_and_beside_roads_and_buildings) {
   expect_upwards(*asphalt);
   EXPECT_NEAR(plan_area_m2(asphalt), 1200.0 - 40.0 * 6.0, 0.1);
   for (const auto& p : asphalt->positions) {
-    const Vec3 at = world(tile, p);
-    const Vec2 p2{at.x, at.y};
+    const Vec3 cover_at = world(tile, p);
+    const Vec2 p2{cover_at.x, cover_at.y};
     EXPECT_TRUE(!layout->roads.outline().contains(p2) || layout->roads.outline().nearest(p2).distance_m < 2e-3);
-    EXPECT_NEAR(at.z, layout->ground->height_m({at.x, at.y}) + 0.03, 0.02) << "the ground is a plane";
+    EXPECT_NEAR(cover_at.z, layout->ground->height_m({cover_at.x, cover_at.y}) + 0.03, 0.02) << "the ground is a plane";
   }
 }
 
@@ -136,14 +136,15 @@ double drawn_m2(const SceneLayout& layout, SurfaceMaterial material) {
   return sum;
 }
 
-Vec2 at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
+Vec2 cover_at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
 
 TEST(GroundCover, paths_have_their_width_and_end_at_roads) {
-  const Site site = make_site(480.0, {{.start = at(0.0, 108.0), .length_m = 480.0, .width_m = 6.0}});
+  const Site site = make_site(480.0, {{.start = cover_at(0.0, 108.0), .length_m = 480.0, .width_m = 6.0}});
   MapSurroundings surroundings;
   // Across the road, and bent by a right angle.
-  surroundings.paths.push_back({{at(100.0, 50.0), at(100.0, 150.0)}, 2.0, SurfaceClass::asphalt});
-  surroundings.paths.push_back({{at(200.0, 200.0), at(230.0, 200.0), at(230.0, 240.0)}, 2.0, SurfaceClass::setts});
+  surroundings.paths.push_back({{cover_at(100.0, 50.0), cover_at(100.0, 150.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back(
+      {{cover_at(200.0, 200.0), cover_at(230.0, 200.0), cover_at(230.0, 240.0)}, 2.0, SurfaceClass::setts});
   const auto layout = lay_out(site, surroundings);
   EXPECT_NEAR(drawn_m2(*layout, SurfaceMaterial::asphalt), 200.0 - 2.0 * 6.0, 0.1);
   EXPECT_NEAR(drawn_m2(*layout, SurfaceMaterial::setts), 140.0, 0.05);
@@ -153,17 +154,17 @@ TEST(GroundCover, paths_that_meet_or_reach_into_car_parks_lie_once) {
   const Site site = make_site(480.0, {});
   MapSurroundings surroundings;
   surroundings.parking = {area_at(100.0, 100.0, 40.0, 16.0)};
-  surroundings.paths.push_back({{at(80.0, 108.0), at(120.0, 108.0)}, 2.0, SurfaceClass::asphalt});
-  surroundings.paths.push_back({{at(90.0, 80.0), at(90.0, 130.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(80.0, 108.0), cover_at(120.0, 108.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(90.0, 80.0), cover_at(90.0, 130.0)}, 2.0, SurfaceClass::asphalt});
   const auto layout = lay_out(site, surroundings);
   EXPECT_NEAR(area_of(*layout, SurfaceMaterial::asphalt), 640.0 + 40.0 + 100.0 - 4.0, 0.05);
 }
 
 TEST(GroundCover, gravel_lies_around_what_is_paved) {
-  const Site site = make_site(480.0, {{.start = at(0.0, 108.0), .length_m = 480.0, .width_m = 6.0}});
+  const Site site = make_site(480.0, {{.start = cover_at(0.0, 108.0), .length_m = 480.0, .width_m = 6.0}});
   MapSurroundings surroundings;
   surroundings.gravel = {area_at(200.0, 80.0, 60.0, 40.0)};
-  surroundings.paths.push_back({{at(230.0, 60.0), at(230.0, 100.0)}, 2.0, SurfaceClass::ground});
+  surroundings.paths.push_back({{cover_at(230.0, 60.0), cover_at(230.0, 100.0)}, 2.0, SurfaceClass::ground});
   const auto layout = lay_out(site, surroundings);
   EXPECT_NEAR(drawn_m2(*layout, SurfaceMaterial::gravel), 2400.0 - 60.0 * 6.0 - 20.0 * 2.0, 0.1);
   EXPECT_NEAR(drawn_m2(*layout, SurfaceMaterial::ground), 80.0, 0.05);
@@ -182,7 +183,7 @@ TEST(GroundCover, trees_over_a_path_do_not_colour_it) {
     }
   }
   MapSurroundings surroundings;
-  surroundings.paths.push_back({{at(5.0, 200.0), at(60.0, 200.0)}, 4.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(5.0, 200.0), cover_at(60.0, 200.0)}, 4.0, SurfaceClass::asphalt});
   const auto layout = lay_out(site, surroundings, &labels);
   ASSERT_FALSE(layout->covers.empty());
   EXPECT_NEAR(layout->covers.front().color[0], 0.5F, 0.01F);
@@ -191,11 +192,12 @@ TEST(GroundCover, trees_over_a_path_do_not_colour_it) {
 TEST(GroundCover, odd_paths_are_passed_over) {
   const Site site = make_site(480.0, {});
   MapSurroundings surroundings;
-  surroundings.paths.push_back({{at(50.0, 50.0), at(50.0, 50.0)}, 2.0, SurfaceClass::asphalt});
-  surroundings.paths.push_back({{at(50.0, 50.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(50.0, 50.0), cover_at(50.0, 50.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(50.0, 50.0)}, 2.0, SurfaceClass::asphalt});
   surroundings.paths.push_back({{}, 2.0, SurfaceClass::asphalt});
-  surroundings.paths.push_back({{at(60.0, 50.0), at(90.0, 50.0), at(60.0, 50.0)}, 2.0, SurfaceClass::asphalt});
-  surroundings.paths.push_back({{at(-5000.0, 50.0), at(-4000.0, 50.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back(
+      {{cover_at(60.0, 50.0), cover_at(90.0, 50.0), cover_at(60.0, 50.0)}, 2.0, SurfaceClass::asphalt});
+  surroundings.paths.push_back({{cover_at(-5000.0, 50.0), cover_at(-4000.0, 50.0)}, 2.0, SurfaceClass::asphalt});
   EXPECT_NEAR(area_of(*lay_out(site, surroundings), SurfaceMaterial::asphalt), 60.0, 0.05);
 }
 

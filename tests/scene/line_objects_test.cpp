@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -21,12 +20,10 @@ namespace {
 
 using namespace scene_test;
 
-constexpr double pi = std::numbers::pi;
+Vec2 line_at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
 
-Vec2 at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
-
-std::shared_ptr<const SceneLayout> lay_out(const Site& site, const MapSurroundings& surroundings,
-                                           const std::vector<Building>& buildings = {}) {
+std::shared_ptr<const SceneLayout> lay_out_lines(const Site& site, const MapSurroundings& surroundings,
+                                                 const std::vector<Building>& buildings = {}) {
   SceneInput input = site.input();
   input.surroundings = &surroundings;
   input.buildings = buildings;
@@ -41,8 +38,9 @@ std::size_t count(const std::map<TileAddress, std::vector<scene::StructureFace>>
 
 TEST(LineObjects, a_wall_in_the_open_is_a_box_on_the_ground) {
   const Site site = make_site(480.0, {}, [](Vec2 p) { return 10.0 + 0.1 * (p.x - west_m); });
-  const auto layout = lay_out(site, {.barriers = {{BarrierKind::wall, {at(100, 100), at(140, 100)}},
-                                                  {BarrierKind::hedge, {at(100, 200), at(120, 200)}, 2.0}}});
+  const auto layout =
+      lay_out_lines(site, {.barriers = {{BarrierKind::wall, {line_at(100, 100), line_at(140, 100)}},
+                                        {BarrierKind::hedge, {line_at(100, 200), line_at(120, 200)}, 2.0}}});
   const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
   double low = 1e9, high = -1e9, hedge_high = -1e9;
   for (const TriMesh& mesh : tile.meshes) {
@@ -66,27 +64,28 @@ TEST(LineObjects, a_wall_in_the_open_is_a_box_on_the_ground) {
 }
 
 TEST(LineObjects, none_stands_on_a_road_or_in_a_building) {
-  const Site site = make_site(480.0, {{.start = at(40, 240), .length_m = 400.0},
-                                      {.start = at(240, 40), .heading_rad = 1.2, .length_m = 380.0, .width_m = 9.0},
-                                      {.start = at(60, 60), .length_m = 300.0, .curvature_1pm = 0.004}});
+  const Site site =
+      make_site(480.0, {{.start = line_at(40, 240), .length_m = 400.0},
+                        {.start = line_at(240, 40), .heading_rad = 1.2, .length_m = 380.0, .width_m = 9.0},
+                        {.start = line_at(60, 60), .length_m = 300.0, .curvature_1pm = 0.004}});
   std::vector<Building> buildings;
   for (int k = 0; k < 12; ++k) {
-    const Vec2 p = at(60.0 + 33.0 * k, 300.0 - 9.0 * k);
+    const Vec2 p = line_at(60.0 + 33.0 * k, 300.0 - 9.0 * k);
     buildings.push_back({.footprint = {{p, p + Vec2{14.0, 3.0}, p + Vec2{11.0, 12.0}, p + Vec2{-3.0, 9.0}}, {}}});
   }
   MapSurroundings surroundings;
   Random random(7);
-  const auto anywhere = [&] { return at(random.uniform(0.0, 480.0), random.uniform(0.0, 480.0)); };
+  const auto anywhere = [&] { return line_at(random.uniform(0.0, 480.0), random.uniform(0.0, 480.0)); };
   for (int k = 0; k < 60; ++k) {
     Polyline line = {anywhere()};  // zigzags, some corners sharp
-    for (int i = 0; i < 4; ++i) line.push_back(line.back() + (anywhere() - at(240, 240)) * 0.15);
+    for (int i = 0; i < 4; ++i) line.push_back(line.back() + (anywhere() - line_at(240, 240)) * 0.15);
     if (k % 3 == 0) {
       surroundings.tracks.push_back(std::move(line));
     } else {
       surroundings.barriers.push_back({static_cast<BarrierKind>(k % 4), std::move(line)});
     }
   }
-  const auto layout = lay_out(site, surroundings, buildings);
+  const auto layout = lay_out_lines(site, surroundings, buildings);
   ASSERT_GE(layout->buildings.size(), 8U);
   EXPECT_GT(count(layout->barriers), 500U);
   EXPECT_GT(count(layout->tracks), 500U);
@@ -99,13 +98,13 @@ TEST(LineObjects, none_stands_on_a_road_or_in_a_building) {
 
 TEST(LineObjects, tracks_run_below_high_decks_but_not_below_low_ones) {
   const auto bridge = [](double z_m) {
-    return make_site(480.0, {{.start = at(40, 240), .length_m = 400.0, .z_m = z_m, .layer = 1, .bridge = true}});
+    return make_site(480.0, {{.start = line_at(40, 240), .length_m = 400.0, .z_m = z_m, .layer = 1, .bridge = true}});
   };
-  const MapSurroundings surroundings{.tracks = {{at(200, 100), at(200, 380)}}};
+  const MapSurroundings surroundings{.tracks = {{line_at(200, 100), line_at(200, 380)}}};
   const auto under = [&](double z_m) {
     std::size_t faces = 0;
     const Site site = bridge(z_m);  // its roads must outlive the layout
-    const auto layout = lay_out(site, surroundings);
+    const auto layout = lay_out_lines(site, surroundings);
     for (const auto& [address, of_tile] : layout->tracks)
       for (const scene::StructureFace& face : of_tile)
         faces += static_cast<std::size_t>(std::abs(face.corners[0].y - south_m - 240.0) < 3.5);
@@ -116,8 +115,9 @@ TEST(LineObjects, tracks_run_below_high_decks_but_not_below_low_ones) {
 }
 
 TEST(LineObjects, lamps_stand_beside_the_road_and_look_at_it) {
-  const Site site = make_site(480.0, {{.start = at(40, 240), .length_m = 400.0}});
-  const auto layout = lay_out(site, {.lamps = {at(100, 244), at(150, 236.5), at(200, 240.5), at(250, 300)}});
+  const Site site = make_site(480.0, {{.start = line_at(40, 240), .length_m = 400.0}});
+  const auto layout =
+      lay_out_lines(site, {.lamps = {line_at(100, 244), line_at(150, 236.5), line_at(200, 240.5), line_at(250, 300)}});
   ASSERT_EQ(layout->lamps.size(), 3U) << "one was on the road";
   EXPECT_NEAR(layout->lamps[0].yaw_rad, -0.5 * pi, 1e-6);
   EXPECT_NEAR(layout->lamps[1].yaw_rad, 0.5 * pi, 1e-6);
@@ -133,24 +133,25 @@ TEST(LineObjects, lamps_stand_beside_the_road_and_look_at_it) {
 TEST(LineObjects, odd_lines_give_nothing) {
   const Site site = make_site(480.0, {});
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto layout = lay_out(site, {.barriers = {{BarrierKind::wall, {at(100, 100), at(100, 100)}},
-                                                  {BarrierKind::wall, {at(100, 100), {nan, 0.0}}},
-                                                  {BarrierKind::hedge, {at(-500, 0), at(-400, 0)}},
-                                                  {BarrierKind::fence, {at(0, 0), at(1e9, 0)}}},
-                                     .tracks = {{at(50, 50)}, {}}});
+  const auto layout = lay_out_lines(site, {.barriers = {{BarrierKind::wall, {line_at(100, 100), line_at(100, 100)}},
+                                                        {BarrierKind::wall, {line_at(100, 100), {nan, 0.0}}},
+                                                        {BarrierKind::hedge, {line_at(-500, 0), line_at(-400, 0)}},
+                                                        {BarrierKind::fence, {line_at(0, 0), line_at(1e9, 0)}}},
+                                           .tracks = {{line_at(50, 50)}, {}}});
   EXPECT_EQ(count(layout->barriers) + count(layout->tracks), 0U);
 }
 
 /// A lake of 100 m in a hollow, whose map outline has a road run through it.
 Site lake_site() {
-  return make_site(480.0, {{.start = at(150, 40), .heading_rad = 0.5 * pi, .length_m = 400.0, .z_m = 12.0}},
-                   [](Vec2 p) { return 8.0 + std::clamp((distance(p, at(150, 200)) - 60.0) / 10.0, 0.0, 1.0) * 4.0; });
+  return make_site(
+      480.0, {{.start = line_at(150, 40), .heading_rad = 0.5 * pi, .length_m = 400.0, .z_m = 12.0}},
+      [](Vec2 p) { return 8.0 + std::clamp((distance(p, line_at(150, 200)) - 60.0) / 10.0, 0.0, 1.0) * 4.0; });
 }
 
 TEST(Water, lies_at_one_level_beside_the_road_without_a_crack) {
   const Site site = lake_site();
   const MapSurroundings surroundings{.water = {{square(west_m + 100.0, south_m + 150.0, 100.0), {}}}};
-  const auto layout = lay_out(site, surroundings);
+  const auto layout = lay_out_lines(site, surroundings);
   const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
   const TriMesh* water = find_mesh(tile, MeshKind::water);
   ASSERT_TRUE(water);
@@ -175,8 +176,8 @@ TEST(Water, that_falls_has_no_level) {
   const MapSurroundings surroundings{.water = {{square(west_m + 100.0, south_m + 150.0, 100.0), {}},
                                                {square(west_m + 300.0, south_m + 150.0, 20.0), {}},
                                                {square(west_m + 310.0, south_m + 160.0, 20.0), {}},
-                                               {{at(0, 0), at(10, 0)}, {}}}};
-  const auto layout = lay_out(site, surroundings);
+                                               {{line_at(0, 0), line_at(10, 0)}, {}}}};
+  const auto layout = lay_out_lines(site, surroundings);
   ASSERT_EQ(layout->waters.bodies().size(), 2U);
   EXPECT_NEAR(layout->waters.bodies()[0].level_m, 30.5, 0.3) << "the lower quartile";
   double area = 0.0;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/coarse_tile.hpp"
@@ -20,13 +19,12 @@ namespace {
 
 using namespace scene_test;
 
-constexpr double pi = std::numbers::pi;
 constexpr int last_kind = static_cast<int>(ObjectKind::storage_tank);
 
-Vec2 at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
+Vec2 object_at(double east_m, double north_m) { return {west_m + east_m, south_m + north_m}; }
 
-std::shared_ptr<const SceneLayout> lay_out(const Site& site, const MapSurroundings& surroundings,
-                                           const std::vector<Building>& buildings = {}) {
+std::shared_ptr<const SceneLayout> lay_out_objects(const Site& site, const MapSurroundings& surroundings,
+                                                   const std::vector<Building>& buildings = {}) {
   SceneInput input = site.input();
   input.surroundings = &surroundings;
   input.buildings = buildings;
@@ -55,7 +53,7 @@ Bounds bounds(const std::vector<StructureFace>& faces) {
 TEST(MapObjects, every_kind_stands_on_the_ground) {
   const Site site = make_site(480.0, {}, [](Vec2 p) { return 10.0 + 0.1 * (p.x - west_m); });
   for (int kind = 0; kind <= last_kind; ++kind) {
-    const auto layout = lay_out(site, {.objects = {{static_cast<ObjectKind>(kind), at(200, 200)}}});
+    const auto layout = lay_out_objects(site, {.objects = {{static_cast<ObjectKind>(kind), object_at(200, 200)}}});
     std::vector<StructureFace> faces = faces_of(layout->objects);
     std::ranges::move(faces_of(layout->barriers), std::back_inserter(faces));
     ASSERT_FALSE(faces.empty()) << kind;
@@ -68,21 +66,22 @@ TEST(MapObjects, every_kind_stands_on_the_ground) {
 }
 
 TEST(MapObjects, none_stands_on_a_road_in_a_building_or_before_a_portal) {
-  const Site site = make_site(480.0, {{.start = at(40, 240), .length_m = 400.0},
-                                      {.start = at(240, 40), .heading_rad = 1.2, .length_m = 380.0, .width_m = 9.0},
-                                      {.start = at(60, 60), .length_m = 300.0, .curvature_1pm = 0.004},
-                                      {.start = at(40, 400), .length_m = 300.0, .z_m = 9.0, .tunnel = true}});
+  const Site site =
+      make_site(480.0, {{.start = object_at(40, 240), .length_m = 400.0},
+                        {.start = object_at(240, 40), .heading_rad = 1.2, .length_m = 380.0, .width_m = 9.0},
+                        {.start = object_at(60, 60), .length_m = 300.0, .curvature_1pm = 0.004},
+                        {.start = object_at(40, 400), .length_m = 300.0, .z_m = 9.0, .tunnel = true}});
   std::vector<Building> buildings;
   for (int k = 0; k < 12; ++k) {
-    const Vec2 p = at(60.0 + 33.0 * k, 300.0 - 9.0 * k);
+    const Vec2 p = object_at(60.0 + 33.0 * k, 300.0 - 9.0 * k);
     buildings.push_back({.footprint = {{p, p + Vec2{14.0, 3.0}, p + Vec2{11.0, 12.0}, p + Vec2{-3.0, 9.0}}, {}}});
   }
   MapSurroundings surroundings;
   Random random(11);
   for (int k = 0; k < 3000; ++k)
-    surroundings.objects.push_back(
-        {static_cast<ObjectKind>(k % (last_kind + 1)), at(random.uniform(0.0, 480.0), random.uniform(0.0, 480.0))});
-  const auto layout = lay_out(site, surroundings, buildings);
+    surroundings.objects.push_back({static_cast<ObjectKind>(k % (last_kind + 1)),
+                                    object_at(random.uniform(0.0, 480.0), random.uniform(0.0, 480.0))});
+  const auto layout = lay_out_objects(site, surroundings, buildings);
   MultiPolygon taken = layout->roads.polygons();
   for (const RoadLevel& tunnel : layout->tunnels)
     taken.insert(taken.end(), tunnel.polygons().begin(), tunnel.polygons().end());
@@ -99,10 +98,10 @@ TEST(MapObjects, none_stands_on_a_road_in_a_building_or_before_a_portal) {
 }
 
 TEST(MapObjects, signs_on_the_road_come_beside_it_and_look_at_who_comes) {
-  const Site site = make_site(480.0, {{.start = at(40, 240), .length_m = 400.0}});
+  const Site site = make_site(480.0, {{.start = object_at(40, 240), .length_m = 400.0}});
   for (const bool near_end : {false, true}) {
     const double east = near_end ? 430.0 : 60.0;
-    const auto layout = lay_out(site, {.objects = {{ObjectKind::stop_sign, at(east, 240)}}});
+    const auto layout = lay_out_objects(site, {.objects = {{ObjectKind::stop_sign, object_at(east, 240)}}});
     const auto faces = faces_of(layout->objects);
     const Bounds b = bounds(faces);
     // Eastbound traffic has the sign in the south, and sees a face towards the west.
@@ -119,17 +118,18 @@ TEST(MapObjects, signs_on_the_road_come_beside_it_and_look_at_who_comes) {
 }
 
 TEST(MapObjects, traffic_lights_of_a_junction_stand_at_its_arms_once) {
-  Site site = make_site(480.0, {{.start = at(40, 240), .length_m = 190.0},
-                                {.start = at(230, 240), .length_m = 20.0},
-                                {.start = at(250, 240), .length_m = 190.0}});
+  Site site = make_site(480.0, {{.start = object_at(40, 240), .length_m = 190.0},
+                                {.start = object_at(230, 240), .length_m = 20.0},
+                                {.start = object_at(250, 240), .length_m = 190.0}});
   auto& roads = site.roads.roads;
   roads[1].junction = 5;
   roads[0].successor = {roadquery::LinkKind::junction, 5};
   roads[2].predecessor = {roadquery::LinkKind::junction, 5};
-  const auto layout = lay_out(
-      site, {.objects = {{ObjectKind::traffic_signals, at(240, 240)}, {ObjectKind::traffic_signals, at(243, 240)}}});
+  const auto layout = lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 240)},
+                                                         {ObjectKind::traffic_signals, object_at(243, 240)}}});
   const auto faces = faces_of(layout->objects);
-  const auto one = faces_of(lay_out(site, {.objects = {{ObjectKind::traffic_signals, at(240, 300)}}})->objects);
+  const auto one =
+      faces_of(lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 300)}}})->objects);
   EXPECT_EQ(faces.size(), 2 * one.size());
   const Bounds b = bounds(faces);
   EXPECT_NEAR(b.low.x, west_m + 229.0, 0.4);
@@ -139,7 +139,7 @@ TEST(MapObjects, traffic_lights_of_a_junction_stand_at_its_arms_once) {
 TEST(MapObjects, wires_hang_in_catenaries_between_their_poles) {
   const double span_m = 200.0;
   const Site site = make_site(480.0, {}, [](Vec2 p) { return 10.0 + 0.05 * (p.x - west_m); });
-  const auto layout = lay_out(site, {.power_lines = {{{at(100, 200), at(100 + span_m, 200)}}}});
+  const auto layout = lay_out_objects(site, {.power_lines = {{{object_at(100, 200), object_at(100 + span_m, 200)}}}});
   const double c = span_m * span_m / (8.0 * 0.025 * span_m);
   int places = 0;
   for (const StructureFace& face : faces_of(layout->objects))
@@ -159,11 +159,12 @@ TEST(MapObjects, wires_hang_in_catenaries_between_their_poles) {
 TEST(MapObjects, odd_ones_give_nothing_and_coarse_tiles_keep_the_large_ones) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Site site = make_site(480.0, {});
-  const auto none = lay_out(site, {.objects = {{ObjectKind::bench, {nan, 0.0}}, {ObjectKind::bench, at(-50, 0)}},
-                                   .power_lines = {{{at(0, 0), at(1e7, 0)}}, {{}}, {{at(5, 5), at(5, 5)}}}});
+  const auto none = lay_out_objects(
+      site, {.objects = {{ObjectKind::bench, {nan, 0.0}}, {ObjectKind::bench, object_at(-50, 0)}},
+             .power_lines = {{{object_at(0, 0), object_at(1e7, 0)}}, {{}}, {{object_at(5, 5), object_at(5, 5)}}}});
   EXPECT_TRUE(none->objects.empty());
-  const auto layout =
-      lay_out(site, {.objects = {{ObjectKind::bench, at(100, 100)}, {ObjectKind::chimney, at(200, 200), 60.0}}});
+  const auto layout = lay_out_objects(
+      site, {.objects = {{ObjectKind::bench, object_at(100, 100)}, {ObjectKind::chimney, object_at(200, 200), 60.0}}});
   SceneTile tile = build_scene_tile(*layout, {1000, 13000});
   EXPECT_TRUE(find_mesh(tile, MeshKind::object));
   EXPECT_NEAR(tile.max_z_m, 70.0, 0.01);

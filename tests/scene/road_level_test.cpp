@@ -16,7 +16,7 @@ using scene_test::south_m;
 using scene_test::west_m;
 
 /// From the corner of the tile; the area is 400 m a side.
-Vec2 at(double x, double y) { return {west_m + x, south_m + y}; }
+Vec2 level_at(double x, double y) { return {west_m + x, south_m + y}; }
 const Polygon area = {scene_test::square(west_m, south_m, 400.0), {}};
 
 RoadLevel level_of(const std::vector<roadquery::Road>& roads) {
@@ -34,14 +34,16 @@ double surface_m2(const RoadLevel& level) {
 TEST(RoadLevel, without_roads_there_is_no_surface) {
   const RoadLevel level = level_of({});
   EXPECT_TRUE(level.polygons().empty());
-  EXPECT_FALSE(level.sample(at(10, 10)));
-  EXPECT_FALSE(level.outline().contains(at(10, 10)));
+  EXPECT_FALSE(level.sample(level_at(10, 10)));
+  EXPECT_FALSE(level.outline().contains(level_at(10, 10)));
 }
 
 TEST(RoadLevel, one_road_is_sampled_as_roadquery_has_it) {
-  const std::vector<roadquery::Road> roads = {make_road(
-      1,
-      {.start = at(50, 50), .heading_rad = 0.3, .gradient = 0.05, .curvature_1pm = 0.01, .superelevation_rad = 0.04})};
+  const std::vector<roadquery::Road> roads = {make_road(1, {.start = level_at(50, 50),
+                                                            .heading_rad = 0.3,
+                                                            .gradient = 0.05,
+                                                            .curvature_1pm = 0.01,
+                                                            .superelevation_rad = 0.04})};
   const RoadLevel level = level_of(roads);
   EXPECT_NEAR(surface_m2(level), 600.0, 1.0);
   for (const double s : {0.5, 20.0, 99.5})
@@ -57,49 +59,49 @@ TEST(RoadLevel, one_road_is_sampled_as_roadquery_has_it) {
 }
 
 TEST(RoadLevel, beside_a_road_its_edge_goes_on_for_a_metre) {
-  const std::vector<roadquery::Road> roads = {make_road(1, {.start = at(50, 50), .superelevation_rad = 0.1})};
+  const std::vector<roadquery::Road> roads = {make_road(1, {.start = level_at(50, 50), .superelevation_rad = 0.1})};
   const RoadLevel level = level_of(roads);
   const double edge_m = 3.0 * std::cos(0.1);  // in plan: the road is tilted
-  const auto beside = level.sample(at(100, 50 + edge_m + 0.5));
+  const auto beside = level.sample(level_at(100, 50 + edge_m + 0.5));
   ASSERT_TRUE(beside);
   EXPECT_NEAR(beside->z_m, 10.0 + 3.0 * std::sin(0.1), 1e-6);
   EXPECT_LT(beside->inside_m, 0.0);
-  EXPECT_FALSE(level.sample(at(100, 50 + edge_m + 1.1)));
-  EXPECT_FALSE(level.sample(at(48.5, 50)));
+  EXPECT_FALSE(level.sample(level_at(100, 50 + edge_m + 1.1)));
+  EXPECT_FALSE(level.sample(level_at(48.5, 50)));
 }
 
 TEST(RoadLevel, where_roads_cross_their_heights_are_mixed_without_a_step) {
   const std::vector<roadquery::Road> roads = {
-      make_road(1, {.start = at(50, 100), .z_m = 10.0}),
-      make_road(2, {.start = at(100, 50), .heading_rad = 0.5 * M_PI, .z_m = 10.2})};
+      make_road(1, {.start = level_at(50, 100), .z_m = 10.0}),
+      make_road(2, {.start = level_at(100, 50), .heading_rad = 0.5 * M_PI, .z_m = 10.2})};
   const RoadLevel level = level_of(roads);
   EXPECT_EQ(level.polygons().size(), 1U);
   EXPECT_NEAR(surface_m2(level), 2 * 600.0 - 36.0, 0.1);
-  EXPECT_NEAR(level.sample(at(100, 100))->z_m, 10.1, 1e-9);  // as deep in one as in the other
-  double before = level.sample(at(90, 100))->z_m, steepest = 0.0;
+  EXPECT_NEAR(level.sample(level_at(100, 100))->z_m, 10.1, 1e-9);  // as deep in one as in the other
+  double before = level.sample(level_at(90, 100))->z_m, steepest = 0.0;
   EXPECT_NEAR(before, 10.0, 1e-9);
   for (double x = 90.01; x < 110.0; x += 0.01) {
-    const double z = level.sample(at(x, 100))->z_m;
+    const double z = level.sample(level_at(x, 100))->z_m;
     steepest = std::max(steepest, std::abs(z - before)), before = z;
   }
   EXPECT_LT(steepest, 0.002);  // 0.2 m over 3 m is 0.0007 m a step; a jump would be 0.1 m
 }
 
 TEST(RoadLevel, ends_at_the_area) {
-  const std::vector<roadquery::Road> roads = {make_road(1, {.start = at(350, 200)})};
+  const std::vector<roadquery::Road> roads = {make_road(1, {.start = level_at(350, 200)})};
   const RoadLevel level = level_of(roads);
   EXPECT_NEAR(surface_m2(level), 300.0, 0.1);
-  EXPECT_FALSE(level.outline().contains(at(401, 200)));
-  EXPECT_TRUE(level.sample(at(410, 200)));  // the road goes on
+  EXPECT_FALSE(level.outline().contains(level_at(401, 200)));
+  EXPECT_TRUE(level.sample(level_at(410, 200)));  // the road goes on
 }
 
 TEST(RoadLevel, slivers_between_roads_are_closed_and_real_islands_stay) {
   std::vector<roadquery::Road> roads = {
-      make_road(1, {.start = at(50, 100)}), make_road(2, {.start = at(50, 106.1)}),
-      make_road(3, {.start = at(60, 90), .heading_rad = 0.5 * M_PI, .length_m = 30}),
-      make_road(4, {.start = at(140, 90), .heading_rad = 0.5 * M_PI, .length_m = 30})};
+      make_road(1, {.start = level_at(50, 100)}), make_road(2, {.start = level_at(50, 106.1)}),
+      make_road(3, {.start = level_at(60, 90), .heading_rad = 0.5 * M_PI, .length_m = 30}),
+      make_road(4, {.start = level_at(140, 90), .heading_rad = 0.5 * M_PI, .length_m = 30})};
   EXPECT_TRUE(level_of(roads).polygons()[0].holes.empty());  // 0.1 m wide
-  roads[1] = make_road(2, {.start = at(50, 107)});
+  roads[1] = make_road(2, {.start = level_at(50, 107)});
   ASSERT_EQ(level_of(roads).polygons()[0].holes.size(), 1U);
 }
 

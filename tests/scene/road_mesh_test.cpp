@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/crossing_roads.hpp"
@@ -17,8 +16,6 @@ namespace orthodrive {
 namespace {
 
 using namespace scene_test;
-
-constexpr double pi = std::numbers::pi;
 
 /// Of the middles of all road triangles and their edges from the road query's surface.
 double worst_m(const Site& site, const std::vector<SceneTile>& tiles) {
@@ -40,7 +37,7 @@ double worst_m(const Site& site, const std::vector<SceneTile>& tiles) {
   return worst;
 }
 
-std::vector<SceneTile> build_all(const Site& site) {
+std::vector<SceneTile> build_tiles(const Site& site) {
   const auto layout = lay_out_scene(site.input());
   std::vector<SceneTile> tiles;
   for (const TileAddress address : scene_tiles(*layout)) tiles.push_back(build_scene_tile(*layout, address));
@@ -67,7 +64,7 @@ TEST(RoadMesh, crowned_road_with_a_twist_stays_within_two_centimetres) {
                                  .curvature_1pm = 1.0 / 80.0}});
   site.roads.roads[0].superelevation = {{.a = -0.06, .b = 0.12 / 60.0}};
   add_crown(site.roads.roads[0], 0.04);
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   EXPECT_LT(worst_m(site, tiles), 0.02);
   EXPECT_LT(road_triangles(tiles), 2000U);
   expect_upwards(*find_mesh(tiles[0], MeshKind::road));
@@ -81,7 +78,7 @@ TEST(RoadMesh, road_on_a_tile_border_has_the_same_vertices_on_both_sides) {
       {{.start = {west_m + 480.0, south_m + 30.0}, .heading_rad = 0.5 * pi, .length_m = 200.0},
        {.start = {west_m + 483.0, south_m + 600.0}, .heading_rad = 0.5 * pi, .length_m = 200.0, .gradient = 0.03}});
   for (roadquery::Road& road : site.roads.roads) add_crown(road, 0.05);
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   EXPECT_LT(worst_m(site, tiles), 0.02);
   double area_m2 = 0.0;
   std::vector<Vec3> west, east;
@@ -112,7 +109,7 @@ TEST(RoadMesh, thirty_roads_that_meet_are_one_surface) {
         {.start = {west_m + 240.0, south_m + 240.0}, .heading_rad = 2.0 * pi * i / 30.0, .length_m = 90.0});
   Site site = make_site(480.0, shapes);
   for (roadquery::Road& road : site.roads.roads) add_crown(road, 0.01);
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   EXPECT_LT(worst_m(site, tiles), 0.02);
   expect_upwards(*find_mesh(tiles[0], MeshKind::road));
   expect_closed(tiles[0], on_tile_border);
@@ -125,7 +122,7 @@ TEST(RoadMesh, road_narrower_than_a_triangle_is_there_as_a_whole) {
                                        .width_m = 0.3,
                                        .gradient = 0.05,
                                        .curvature_1pm = 1.0 / 100.0}});
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   EXPECT_NEAR(plan_area_m2(find_mesh(tiles[0], MeshKind::road)), 60.0, 1.0);
   EXPECT_LT(worst_m(site, tiles), 0.02);
   expect_closed(tiles[0], on_tile_border);
@@ -141,7 +138,7 @@ TEST(RoadMesh, triangles_keep_to_lanes) {
   later.s = 150.0;
   later.left.push_back({.id = 2, .type = roadquery::LaneType::parking, .width = {{.a = 2.0}}});
   road.sections.push_back(later);
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   const TriMesh& mesh = *find_mesh(tiles[0], MeshKind::road);
   std::map<std::string, double> area_m2;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -167,7 +164,7 @@ TEST(RoadMesh, roads_of_the_ground_that_lie_over_each_other_are_both_there) {
   const Site site = make_site(480.0, {{.start = {west_m + 60.0, south_m + 240.0}, .length_m = 200.0, .z_m = 10.0},
                                       {.start = {west_m + 60.0, south_m + 245.0}, .length_m = 200.0, .z_m = 16.0}});
   EXPECT_EQ(scene::lying_over(site.roads.roads), (std::vector<bool>{false, true}));
-  const auto tiles = build_all(site);
+  const auto tiles = build_tiles(site);
   EXPECT_NEAR(plan_area_m2(find_mesh(tiles[0], MeshKind::road)), 2.0 * 200.0 * 6.0, 0.5);
   EXPECT_LT(worst_m(site, tiles), 0.02);
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 
 namespace orthodrive::scene_test {
 
+constexpr double pi = std::numbers::pi;
 constexpr double west_m = 480.0 * 1000, south_m = 480.0 * 13000;  // corner of a tile, in the range of UTM coordinates
 
 struct RoadShape {

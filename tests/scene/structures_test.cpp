@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 
 #include "orthodrive/scene/crossing_roads.hpp"
@@ -17,8 +16,6 @@ namespace orthodrive::scene {
 namespace {
 
 using namespace scene_test;
-
-constexpr double pi = std::numbers::pi;
 
 /// A bridge of 120 m over a flat valley 9 m below, in line with roads on both banks; a road of 8 m crosses below its
 /// middle.
@@ -39,10 +36,10 @@ Site valley_site() {
 const TriMesh* structure_of(const SceneTile& tile) { return find_mesh(tile, MeshKind::structure); }
 const TriMesh* rails_of(const SceneTile& tile) { return find_mesh(tile, MeshKind::rails); }
 
-SceneTile build(const Site& site) { return build_scene_tile(*lay_out_scene(site.input()), {1000, 13000}); }
+SceneTile build_tile(const Site& site) { return build_scene_tile(*lay_out_scene(site.input()), {1000, 13000}); }
 
 TEST(Structures, faces_look_outwards) {
-  const SceneTile tile = build(valley_site());
+  const SceneTile tile = build_tile(valley_site());
   const TriMesh* mesh = structure_of(tile);
   ASSERT_TRUE(mesh);
   // A closed body's faces sum up to nothing, and its volume is positive; the bars and posts here are all but closed.
@@ -61,7 +58,7 @@ TEST(Structures, faces_look_outwards) {
 }
 
 TEST(Structures, decks_have_beams_and_railings_along_their_sides_only) {
-  const SceneTile tile = build(valley_site());
+  const SceneTile tile = build_tile(valley_site());
   const TriMesh* mesh = structure_of(tile);
   ASSERT_TRUE(mesh);
   double west = 1e9, east = -1e9, top = -1e9;
@@ -84,7 +81,7 @@ TEST(Structures, decks_have_beams_and_railings_along_their_sides_only) {
 
 TEST(Structures, piers_stand_on_the_ground_and_on_no_road) {
   const Site site = valley_site();
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   const TriMesh* mesh = structure_of(tile);
   ASSERT_TRUE(mesh);
   std::vector<double> feet;
@@ -103,7 +100,7 @@ TEST(Structures, piers_stand_on_the_ground_and_on_no_road) {
 }
 
 TEST(Structures, no_face_of_a_beam_lies_in_the_side_of_the_deck) {
-  const SceneTile tile = build(valley_site());
+  const SceneTile tile = build_tile(valley_site());
   const TriMesh* mesh = structure_of(tile);
   ASSERT_TRUE(mesh);
   int in_side = 0;
@@ -167,7 +164,7 @@ TEST(Structures, roads_of_one_layer_that_cross_are_told_apart) {
   EXPECT_EQ(sets[0], (std::vector<const roadquery::Road*>{&roads[0], &roads[2]})) << "they run on into each other";
   EXPECT_EQ(sets[1], std::vector<const roadquery::Road*>{&roads[1]});
 
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   const TriMesh* road = find_mesh(tile, MeshKind::road);
   ASSERT_TRUE(road);
   EXPECT_NEAR(scene_test::plan_area_m2(road), (100.0 + 120.0 + 50.0) * 6.0, 1.0) << "both, where they cross";
@@ -191,7 +188,7 @@ TEST(Structures, no_edge_at_the_joints_of_a_deck_has_more_than_two_triangles) {
     roads[i].successor = {roadquery::LinkKind::road, roads[i + 1].id, roadquery::ContactPoint::start};
     roads[i + 1].predecessor = {roadquery::LinkKind::road, roads[i].id, roadquery::ContactPoint::end};
   }
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   using Place = std::array<float, 3>;
   std::map<std::pair<Place, Place>, int> triangles;
   int across_joints = 0;
@@ -216,7 +213,7 @@ TEST(Structures, low_decks_have_no_piers) {
   const Site site = make_site(
       480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = 12.0},
               {.start = {west_m + 180.0, south_m + 240.0}, .length_m = 80.0, .z_m = 12.0, .layer = 1, .bridge = true}});
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   for (const auto& position : structure_of(tile)->positions) {
     const Vec3 p = world(tile, position);
     if (std::abs(p.x - west_m - 220.0) < 40.0 - 5.0) {  // the abutments are nearer to the ends
@@ -230,9 +227,9 @@ TEST(Structures, motorways_have_guard_rails_but_no_other_roads_and_none_at_junct
       make_site(480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 200.0, .width_m = 10.0},
                         {.start = {west_m + 40.0, south_m + 100.0}, .length_m = 200.0},
                         {.start = {west_m + 140.0, south_m + 240.0}, .heading_rad = 0.5 * pi, .length_m = 100.0}});
-  EXPECT_EQ(rails_of(build(site)), nullptr);
+  EXPECT_EQ(rails_of(build_tile(site)), nullptr);
   site.roads.roads[0].highway = "motorway";
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   const TriMesh* rails = rails_of(tile);
   ASSERT_TRUE(rails);
   double top = -1e9;
@@ -254,7 +251,7 @@ TEST(Structures, guard_rails_follow_a_bend) {
                                  .width_m = width_m,
                                  .curvature_1pm = 1.0 / radius_m}});
   site.roads.roads[0].highway = "motorway";
-  const SceneTile tile = build(site);
+  const SceneTile tile = build_tile(site);
   const TriMesh* rails = rails_of(tile);
   ASSERT_TRUE(rails);
   const Vec2 centre{west_m + 100.0, south_m + 60.0 + radius_m};
@@ -290,7 +287,7 @@ Site ring_site(double radius_m, bool clockwise, bool two_ways = false) {
 
 TEST(Structures, middles_of_roundabouts_have_a_kerb_along_the_inner_border) {
   const double radius_m = 14.0;
-  const SceneTile tile = build(ring_site(radius_m, false));
+  const SceneTile tile = build_tile(ring_site(radius_m, false));
   const TriMesh* mesh = structure_of(tile);
   ASSERT_TRUE(mesh);
   double top = -1e9;
@@ -308,9 +305,9 @@ TEST(Structures, middles_of_roundabouts_have_a_kerb_along_the_inner_border) {
 }
 
 TEST(Structures, blocks_between_streets_have_no_kerb) {
-  EXPECT_EQ(structure_of(build(ring_site(14.0, true))), nullptr) << "traffic has it on its right: no roundabout";
-  EXPECT_EQ(structure_of(build(ring_site(14.0, false, true))), nullptr) << "lanes of both directions";
-  EXPECT_EQ(structure_of(build(ring_site(60.0, false))), nullptr) << "larger than a roundabout";
+  EXPECT_EQ(structure_of(build_tile(ring_site(14.0, true))), nullptr) << "traffic has it on its right: no roundabout";
+  EXPECT_EQ(structure_of(build_tile(ring_site(14.0, false, true))), nullptr) << "lanes of both directions";
+  EXPECT_EQ(structure_of(build_tile(ring_site(60.0, false))), nullptr) << "larger than a roundabout";
 }
 
 }  // namespace

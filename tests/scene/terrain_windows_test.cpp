@@ -13,20 +13,23 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double west_m = 480'000.0, north_m = 6'240'000.0, gsd_m = 2.0;
-constexpr int size_px = 500;
+constexpr double terrain_west_m = 480'000.0, terrain_north_m = 6'240'000.0, terrain_gsd_m = 2.0;
+constexpr int terrain_px = 500;
 
 /// Rough hills with holes of many sizes, one of them as large as several squares of the coarse terrain.
 HeightGrid holed_terrain() {
-  HeightGrid grid{{}, {west_m, north_m, gsd_m, size_px, size_px}, Raster<float>(size_px, size_px), {}};
+  HeightGrid grid{{},
+                  {terrain_west_m, terrain_north_m, terrain_gsd_m, terrain_px, terrain_px},
+                  Raster<float>(terrain_px, terrain_px),
+                  {}};
   Random random(5);
-  for (int row = 0; row < size_px; ++row)
-    for (int col = 0; col < size_px; ++col)
+  for (int row = 0; row < terrain_px; ++row)
+    for (int col = 0; col < terrain_px; ++col)
       grid.height_m.at(col, row) =
           static_cast<float>(40.0 + 8.0 * std::sin(0.02 * col) + 5.0 * std::cos(0.03 * row) + random.uniform(0.0, 1.0));
   const auto cut = [&](int col, int row, int size) {
-    for (int r = row; r < std::min(size_px, row + size); ++r)
-      for (int c = col; c < std::min(size_px, col + size); ++c) grid.height_m.at(c, r) = std::nanf("");
+    for (int r = row; r < std::min(terrain_px, row + size); ++r)
+      for (int c = col; c < std::min(terrain_px, col + size); ++c) grid.height_m.at(c, r) = std::nanf("");
   };
   cut(130, 140, 210);
   for (int i = 0; i < 60; ++i)
@@ -35,11 +38,11 @@ HeightGrid holed_terrain() {
 }
 
 Outline whole_area() {
-  const double size_m = size_px * gsd_m;
-  return Outline({{{{west_m, north_m - size_m},
-                    {west_m + size_m, north_m - size_m},
-                    {west_m + size_m, north_m},
-                    {west_m, north_m}},
+  const double size_m = terrain_px * terrain_gsd_m;
+  return Outline({{{{terrain_west_m, terrain_north_m - size_m},
+                    {terrain_west_m + size_m, terrain_north_m - size_m},
+                    {terrain_west_m + size_m, terrain_north_m},
+                    {terrain_west_m, terrain_north_m}},
                    {}}},
                  1.0);
 }
@@ -53,7 +56,8 @@ TEST(TerrainWindows, a_height_is_the_same_in_every_window) {
   ASSERT_EQ(whole.frame, terrain.frame);
   Random random(9);
   for (int i = 0; i < 40; ++i) {
-    const double x = west_m + random.uniform(-50.0, 1000.0), y = north_m - random.uniform(-50.0, 1000.0);
+    const double x = terrain_west_m + random.uniform(-50.0, 1000.0),
+                 y = terrain_north_m - random.uniform(-50.0, 1000.0);
     const HeightGrid part = windows.window({x, y - random.uniform(1.0, 300.0), x + random.uniform(1.0, 300.0), y});
     ASSERT_FALSE(part.height_m.empty());
     for (int row = 0; row < part.frame.height; ++row)
@@ -87,8 +91,9 @@ TEST(TerrainWindows, heights_go_on_beyond_the_border) {
   Findings findings;
   const TerrainWindows windows(source_of(terrain), whole_area(), findings);
   EXPECT_TRUE(findings.empty());
-  EXPECT_NEAR(windows.height_m({west_m - 400.0, north_m + 90.0}), static_cast<double>(terrain.height_m.at(0, 0)), 1e-6);
-  const Vec2 inside{west_m + 333.25, north_m - 511.5};
+  EXPECT_NEAR(windows.height_m({terrain_west_m - 400.0, terrain_north_m + 90.0}),
+              static_cast<double>(terrain.height_m.at(0, 0)), 1e-6);
+  const Vec2 inside{terrain_west_m + 333.25, terrain_north_m - 511.5};
   EXPECT_EQ(windows.height_m(inside), sample_bilinear(terrain, inside));
 }
 

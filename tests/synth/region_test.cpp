@@ -113,25 +113,26 @@ double least_gap_of_junctions_m(const SitePlan& plan) {
   return least;
 }
 
-struct PlanCase {
+struct RegionPlanCase {
   double size_m = 0.0;
   std::uint64_t seed = 0;
   SitePlan (*planned)(double, std::uint64_t) = plan_region;
 };
 // Names of tests are made of it.
-void PrintTo(const PlanCase& c, std::ostream* out) { *out << c.size_m << " m, seed " << c.seed; }
-class RegionPlans : public testing::TestWithParam<PlanCase> {
+void PrintTo(const RegionPlanCase& c, std::ostream* out) { *out << c.size_m << " m, seed " << c.seed; }
+class RegionPlans : public testing::TestWithParam<RegionPlanCase> {
  protected:
   const SitePlan plan = GetParam().planned(GetParam().size_m, GetParam().seed);
 };
 class CountryPlans : public RegionPlans {};
-const auto countries = testing::Values(PlanCase{2000.0, 1}, PlanCase{2500.0, 2}, PlanCase{2990.0, 3},
-                                       PlanCase{4000.0, 4}, PlanCase{5000.0, 5}, PlanCase{6500.0, 6});
+const auto countries = testing::Values(RegionPlanCase{2000.0, 1}, RegionPlanCase{2500.0, 2}, RegionPlanCase{2990.0, 3},
+                                       RegionPlanCase{4000.0, 4}, RegionPlanCase{5000.0, 5}, RegionPlanCase{6500.0, 6});
 INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, RegionPlans, countries);
 INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, CountryPlans, countries);
 INSTANTIATE_TEST_SUITE_P(Conurbations, RegionPlans,
-                         testing::Values(PlanCase{2000.0, 1, plan_conurbation}, PlanCase{2990.0, 2, plan_conurbation},
-                                         PlanCase{5000.0, 3, plan_conurbation}));
+                         testing::Values(RegionPlanCase{2000.0, 1, plan_conurbation},
+                                         RegionPlanCase{2990.0, 2, plan_conurbation},
+                                         RegionPlanCase{5000.0, 3, plan_conurbation}));
 
 /// In the site, a square kilometre.
 double km_of_road(const SitePlan& plan) {
@@ -253,16 +254,16 @@ SynthSite assembled(const SitePlan& plan, const SynthOptions& options) {
   return site;
 }
 
-constexpr SynthOptions small{.size_m = 2000.0, .gsd_m = 0.8, .seed = 3, .threads = 1, .tile_px = 700};
+constexpr SynthOptions quick_region{.size_m = 2000.0, .gsd_m = 0.8, .seed = 3, .threads = 1, .tile_px = 700};
 const SynthSite& small_region() {
-  static const SynthSite site = assembled(plan_region(small.size_m, small.seed), small);
+  static const SynthSite site = assembled(plan_region(quick_region.size_m, quick_region.seed), quick_region);
   return site;
 }
 
 TEST(Region, does_not_depend_on_threads_and_tiles) {
-  SynthOptions other = small;
+  SynthOptions other = quick_region;
   other.threads = 3, other.tile_px = 333;
-  const SynthSite site = assembled(plan_region(small.size_m, small.seed), other), &same = small_region();
+  const SynthSite site = assembled(plan_region(quick_region.size_m, quick_region.seed), other), &same = small_region();
   EXPECT_EQ(site.photo.rgb.data, same.photo.rgb.data);
   EXPECT_EQ(site.labels.labels.data, same.labels.labels.data);
   EXPECT_EQ(site.true_dtm.height_m.data, same.true_dtm.height_m.data);
@@ -282,7 +283,7 @@ TEST(Region, osm_has_unique_ids_and_the_buildings_of_the_labels) {
   constexpr std::uint8_t building = 3;
   const double built_m2 =
       static_cast<double>(std::count(site.labels.labels.data.begin(), site.labels.labels.data.end(), building)) *
-      small.gsd_m * small.gsd_m;
+      quick_region.gsd_m * quick_region.gsd_m;
   EXPECT_GT(built_m2, 50.0 * static_cast<double>(buildings));
   EXPECT_LT(built_m2, 250.0 * static_cast<double>(buildings));
 }
@@ -328,7 +329,7 @@ TEST(Region, terrain_models_have_the_stated_noise) {
     sum += error, square += error * error;
   }
   EXPECT_NEAR(sum / static_cast<double>(n), 0.0, 0.001);
-  EXPECT_NEAR(std::sqrt(square / static_cast<double>(n)), small.dtm_1m_sigma_m, 0.001);
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(n)), quick_region.dtm_1m_sigma_m, 0.001);
   EXPECT_EQ(site.dtm_10m.frame.bounds(), site.true_dtm.frame.bounds());
 }
 

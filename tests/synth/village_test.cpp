@@ -18,10 +18,10 @@ namespace {
 
 using namespace synth;
 
-constexpr SynthOptions small{.size_m = 300.0, .gsd_m = 0.5, .seed = 5};
+constexpr SynthOptions small_village{.size_m = 300.0, .gsd_m = 0.5, .seed = 5};
 
 const SynthSite& small_site() {
-  static const SynthSite site = make_preset(Preset::village, small);
+  static const SynthSite site = make_preset(Preset::village, small_village);
   return site;
 }
 
@@ -35,7 +35,7 @@ std::map<std::int64_t, Polyline> osm_lines(const OsmData& osm) {
 }
 
 TEST(Village, same_seed_same_bytes_for_any_thread_count) {
-  SynthOptions options = small;
+  SynthOptions options = small_village;
   options.threads = 1;
   const std::string one = fingerprint(make_preset(Preset::village, options));
   options.threads = 2;
@@ -44,7 +44,7 @@ TEST(Village, same_seed_same_bytes_for_any_thread_count) {
 }
 
 TEST(Village, another_seed_is_another_village) {
-  SynthOptions options = small;
+  SynthOptions options = small_village;
   options.seed = 6;
   EXPECT_NE(fingerprint(make_preset(Preset::village, options)), fingerprint(small_site()));
 }
@@ -115,7 +115,7 @@ TEST_P(Plans, heights_are_smooth_agree_at_junctions_and_clear_the_bridge) {
 
 TEST(Village, osm_lies_one_to_four_metres_from_the_truth) {
   for (const std::uint64_t seed : {5, 6, 7}) {
-    SynthOptions options = small;
+    SynthOptions options = small_village;
     options.seed = seed, options.size_m = 600.0, options.gsd_m = 2.0;
     const SynthSite site = make_preset(Preset::village, options);
     const auto lines = osm_lines(site.osm);
@@ -133,7 +133,7 @@ TEST(Village, osm_lies_one_to_four_metres_from_the_truth) {
 }
 
 TEST(Village, without_offsets_osm_lies_on_the_truth) {
-  SynthOptions options = small;
+  SynthOptions options = small_village;
   options.osm_offset_min_m = options.osm_offset_max_m = 0.0;
   const SynthSite site = make_preset(Preset::village, options);
   for (const RoadPath& path : site.roads.paths)
@@ -239,7 +239,7 @@ TEST(Village, terrain_models_have_the_stated_noise) {
   const auto& noisy = site.dtm_1m.height_m.data;
   double square = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) square += (truth[i] - noisy[i]) * (truth[i] - noisy[i]);
-  EXPECT_NEAR(std::sqrt(square / static_cast<double>(truth.size())), small.dtm_1m_sigma_m, 0.002);
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(truth.size())), small_village.dtm_1m_sigma_m, 0.002);
   EXPECT_EQ(site.dtm_10m.frame.gsd_m, 10.0);
   EXPECT_EQ(site.dtm_10m.frame.bounds(), site.true_dtm.frame.bounds());
 }

@@ -23,18 +23,18 @@ namespace {
 
 enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water };  // default_class_table()
 
-struct PlanCase {
+struct WorldPlanCase {
   SitePlan (*plan)(double, std::uint64_t);
   double size_m = 0.0;
   std::uint64_t seed = 0;
   double narrowest_m = 0.0, widest_m = 0.0, least_km_per_km2 = 0.0;
 };
-class SettledPlans : public testing::TestWithParam<PlanCase> {
+class SettledPlans : public testing::TestWithParam<WorldPlanCase> {
  protected:
   const SitePlan plan = GetParam().plan(GetParam().size_m, GetParam().seed);
 };
-std::vector<PlanCase> plan_cases() {
-  std::vector<PlanCase> cases;
+std::vector<WorldPlanCase> world_plan_cases() {
+  std::vector<WorldPlanCase> cases;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const double size_m = seed < 4 ? 400.0 : 800.0;
     cases.push_back({plan_grid, size_m, seed, 3.2, 16.0, 12.0});
@@ -43,7 +43,7 @@ std::vector<PlanCase> plan_cases() {
   }
   return cases;
 }
-INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, SettledPlans, testing::ValuesIn(plan_cases()));
+INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, SettledPlans, testing::ValuesIn(world_plan_cases()));
 
 TEST_P(SettledPlans, roads_are_curvature_continuous_meet_exactly_and_connect) {
   for (const PlannedRoad& planned : plan.roads) expect_continuous(planned);
@@ -75,29 +75,32 @@ TEST(SettledPlans, refuse_sizes_they_cannot_fill) {
   EXPECT_THROW((void)plan_farmland(305.0, 1), OptionError);
 }
 
-struct SiteCase {
+struct WorldSiteCase {
   Preset preset;
   const char* world;
 };
-SynthOptions small(const SiteCase& c) { return {.size_m = 300.0, .gsd_m = 0.5, .seed = 3, .world = c.world}; }
-const SynthSite& site_of(const SiteCase& c) {
+SynthOptions small_world(const WorldSiteCase& c) {
+  return {.size_m = 300.0, .gsd_m = 0.5, .seed = 3, .world = c.world};
+}
+const SynthSite& site_of(const WorldSiteCase& c) {
   static std::map<std::pair<int, std::string>, SynthSite> sites;
   const auto key = std::pair(static_cast<int>(c.preset), std::string(c.world));
-  if (!sites.contains(key)) sites.emplace(key, make_preset(c.preset, small(c)));
+  if (!sites.contains(key)) sites.emplace(key, make_preset(c.preset, small_world(c)));
   return sites.at(key);
 }
 
-class WorldSites : public testing::TestWithParam<SiteCase> {
+class WorldSites : public testing::TestWithParam<WorldSiteCase> {
  protected:
   const SynthSite& site = site_of(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(Small, WorldSites,
-                         testing::Values(SiteCase{Preset::grid, "america"}, SiteCase{Preset::lanes, "japan"},
-                                         SiteCase{Preset::farmland, "baltic"}, SiteCase{Preset::village, "winter"},
-                                         SiteCase{Preset::farmland, ""}));
+                         testing::Values(WorldSiteCase{Preset::grid, "america"}, WorldSiteCase{Preset::lanes, "japan"},
+                                         WorldSiteCase{Preset::farmland, "baltic"},
+                                         WorldSiteCase{Preset::village, "winter"},
+                                         WorldSiteCase{Preset::farmland, ""}));
 
 TEST_P(WorldSites, same_seed_same_bytes_for_any_thread_count) {
-  SynthOptions options = small(GetParam());
+  SynthOptions options = small_world(GetParam());
   options.threads = 3;
   EXPECT_EQ(fingerprint(make_preset(GetParam().preset, options)), fingerprint(site));
 }

@@ -12,7 +12,7 @@
 namespace orthodrive {
 namespace {
 
-constexpr int size = 48, classes = 3;
+constexpr int size = 48, crf_classes = 3;
 
 /// Three bands of clear colours; the network is right in `sure` of its pixels.
 CrfSample bands(double sure, std::uint64_t seed) {
@@ -24,8 +24,8 @@ CrfSample bands(double sure, std::uint64_t seed) {
       for (int c = 0; c < 3; ++c)
         sample.rgb.at(col, row, c) = static_cast<std::uint8_t>((c == truth ? 190 : 60) + 10.0 * random.uniform());
       sample.allowed.at(col, row) = only(truth);
-      const int said = random.uniform() < sure ? truth : (truth + 1) % classes;
-      for (int c = 0; c < classes; ++c) sample.unary.push_back(c == said ? 0.4F : 1.8F);
+      const int said = random.uniform() < sure ? truth : (truth + 1) % crf_classes;
+      for (int c = 0; c < crf_classes; ++c) sample.unary.push_back(c == said ? 0.4F : 1.8F);
     }
   return sample;
 }
@@ -35,7 +35,7 @@ double merit(const CrfTrial& t) { return 0.5 * (t.pixel_accuracy + t.mean_iou); 
 TEST(SearchCrf, takes_the_cheapest_that_keeps_most_of_the_gain) {
   const std::vector<CrfSample> samples{bands(0.75, 1), bands(0.75, 2)};
   const CrfSearchOptions options;
-  const CrfSearch search = search_crf(samples, classes, options);
+  const CrfSearch search = search_crf(samples, crf_classes, options);
   const CrfTrial none = search.trials.front();
   EXPECT_EQ(none.appearance_weight, 0.0F);
   double best = 0.0, best_appearance = 0.0;
@@ -63,7 +63,7 @@ TEST(SearchCrf, takes_the_cheapest_that_keeps_most_of_the_gain) {
 }
 
 TEST(SearchCrf, leaves_a_perfect_network_alone) {
-  const CrfSearch search = search_crf(std::vector{bands(1.1, 1)}, classes, {});
+  const CrfSearch search = search_crf(std::vector{bands(1.1, 1)}, crf_classes, {});
   EXPECT_EQ(search.trials.front().mean_iou, 1.0);
   EXPECT_EQ(search.best.parameters.appearance_weight.front(), 0.0F);
 }

@@ -18,7 +18,7 @@ constexpr double lower_over_upper = 0.5;
 constexpr int hysteresis_px =
     16;  // of the margin of a tile, so that weak edges can hang on strong ones beyond its border
 
-void check(const EdgeDistanceOptions& options) {
+void check_distances(const EdgeDistanceOptions& options) {
   if (options.thresholds.empty() || !(options.cap_m > 0.0))
     throw OptionError("edge distance: needs at least one threshold and a positive cap");
 }
@@ -27,7 +27,7 @@ void check(const EdgeDistanceOptions& options) {
 
 Raster<std::uint8_t> edge_distance(const Raster<std::uint8_t>& rgb, const Raster<std::uint8_t>& valid, double gsd_m,
                                    const EdgeDistanceOptions& options) {
-  check(options);
+  check_distances(options);
   const OneCvThread guard;
   Raster<std::uint8_t> result(rgb.width, rgb.height, 1, 255);
   if (rgb.empty()) return result;
@@ -62,7 +62,7 @@ Raster<std::uint8_t> edge_distance(const Raster<std::uint8_t>& rgb, const Raster
 }
 
 Raster<std::uint8_t> edge_distance(const PhotoSource& photo, const PixelBox& box, const EdgeDistanceOptions& options) {
-  check(options);
+  check_distances(options);
   Raster<std::uint8_t> result(box.width, box.height, 1, 255);
   const int margin = hysteresis_px + static_cast<int>(std::ceil(options.cap_m / photo.frame.gsd_m));
   for (const PixelBox& tile : tiles_of(box)) {

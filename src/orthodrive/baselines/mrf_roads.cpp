@@ -21,7 +21,7 @@ using namespace baselines;
 constexpr double min_seen = 0.5;           // share of a site's strip with a photo, below which it has no evidence
 constexpr double unseen_finding_m = 20.0;  // shorter stretches without a photo are not worth a finding
 
-void check(const RoadNetwork& osm, const MrfEvidenceSource& evidence, const MrfRoadsOptions& options) {
+void check_mrf(const RoadNetwork& osm, const MrfEvidenceSource& evidence, const MrfRoadsOptions& options) {
   if (!(osm.crs == evidence.crs))
     throw OptionError(fmt::format("mrf: roads are in {} but the photo in {}, need one CRS", osm.crs.definition,
                                   evidence.crs.definition));
@@ -42,7 +42,7 @@ void check(const RoadNetwork& osm, const MrfEvidenceSource& evidence, const MrfR
   }
 }
 
-void check(const MrfWeights& w) {
+void check_mrf(const MrfWeights& w) {
   for (const double weight :
        {w.road, w.context, w.edge, w.smooth_offset, w.smooth_width, w.prior_offset, w.prior_width})
     if (!(weight >= 0.0)) throw OptionError("mrf: weights must not be negative");
@@ -129,7 +129,7 @@ MultiPolygon surface_of(const RoadPath& path, std::span<const SegmentRectangle> 
 
 MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                   const MrfRoadsOptions& options, Monitor* monitor) {
-  check(osm, evidence, options);
+  check_mrf(osm, evidence, options);
   MrfRoadsProblem problem{
       .osm = osm, .chains = build_chains(osm, {.spacing_m = options.segment_m, .normal_window_m = options.segment_m})};
   mask_evidence(problem.chains, osm);
@@ -162,7 +162,7 @@ MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSourc
 }
 
 MrfRoadsResult solve_mrf_roads(const MrfRoadsProblem& problem, const MrfRoadsOptions& options, Monitor* monitor) {
-  check(options.weights);
+  check_mrf(options.weights);
   MrfProblem mrf = problem.mrf;
   mrf.weights = options.weights;
   InferMrfResult inferred = infer_mrf(mrf, {.max_sweeps = options.max_sweeps, .threads = options.threads}, monitor);
@@ -208,7 +208,7 @@ MrfRoadsResult solve_mrf_roads(const MrfRoadsProblem& problem, const MrfRoadsOpt
 
 MrfRoadsResult refine_roads_mrf(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                 const MrfRoadsOptions& options, Monitor* monitor) {
-  check(options.weights);
+  check_mrf(options.weights);
   return solve_mrf_roads(prepare_mrf_roads(osm, evidence, options, monitor), options, monitor);
 }
 

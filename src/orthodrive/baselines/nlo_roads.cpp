@@ -16,7 +16,7 @@ namespace {
 
 using namespace baselines;
 
-void check(const RoadNetwork& osm, const LabelMap& labels, const NloRoadsOptions& options) {
+void check_nlo(const RoadNetwork& osm, const LabelMap& labels, const NloRoadsOptions& options) {
   if (!(osm.crs == labels.crs))
     throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition,
                                   labels.crs.definition));
@@ -61,7 +61,7 @@ RoadChain chain_of(const NloPath& path, const RoadPath& way, std::size_t index) 
   return chain;
 }
 
-RoadPath pack_path(const RoadPath& input, const NloPath& path, const NloFit& fit, const Polyline& line) {
+RoadPath pack_nlo_path(const RoadPath& input, const NloPath& path, const NloFit& fit, const Polyline& line) {
   RoadPath result = input;
   result.nodes.clear();
   const std::vector<double> s = arc_lengths_m(line);
@@ -90,7 +90,7 @@ void report(const RoadPath& way, const NloPath& path, const NloFit& fit, Finding
 
 RefinedRoads refine_roads_nlo(const RoadNetwork& osm, const LabelMap& labels, const NloRoadsOptions& options,
                               Monitor* monitor) {
-  check(osm, labels, options);
+  check_nlo(osm, labels, options);
   const std::size_t count = osm.paths.size();
   std::vector<NloPath> paths(count);
   std::vector<NloFit> fits(count);
@@ -121,7 +121,7 @@ RefinedRoads refine_roads_nlo(const RoadNetwork& osm, const LabelMap& labels, co
     result.solve.cost_before += solve.cost_before;
     result.solve.cost_after += solve.cost_after;
     report(osm.paths[p], paths[p], fits[p], result.findings);
-    result.roads.paths.push_back(pack_path(osm.paths[p], paths[p], fits[p], lines[p]));
+    result.roads.paths.push_back(pack_nlo_path(osm.paths[p], paths[p], fits[p], lines[p]));
   }
   return result;
 }

@@ -11,8 +11,8 @@ namespace {
 constexpr double fine_step_m = 0.1;
 
 /// Heading at the end of a piece of the line that it has at its beginning.
-double follow(double heading_rad, const LinePoint& a, const LinePoint& b, double slip_a, double slip_b,
-              double wheelbase_m) {
+double follow_axle(double heading_rad, const LinePoint& a, const LinePoint& b, double slip_a, double slip_b,
+                   double wheelbase_m) {
   const int steps = std::max(1, static_cast<int>(std::ceil((b.s_m - a.s_m) / fine_step_m)));
   const double ds_m = (b.s_m - a.s_m) / steps;
   for (int k = 0; k < steps; ++k) {
@@ -67,7 +67,7 @@ std::vector<double> car_headings(const DrivingLine& line, double wheelbase_m,
   for (int round = 0; round < (line.closed ? 2 : 1); ++round) {
     if (round > 0) heading.front() = heading.back() - (p.back().heading_rad - p.front().heading_rad);
     for (std::size_t i = 1; i < p.size(); ++i)
-      heading[i] = follow(heading[i - 1], p[i - 1], p[i], slip(i - 1), slip(i), wheelbase_m);
+      heading[i] = follow_axle(heading[i - 1], p[i - 1], p[i], slip(i - 1), slip(i), wheelbase_m);
   }
   return heading;
 }

@@ -22,7 +22,7 @@ constexpr double speed_gain_1ps2 = 0.3;    // its integral
 constexpr double integral_reach_mps = 1.0;
 constexpr double launch_m = 1.5,
                  launch_mps = 1.5;  // the plan so far ahead counts while it is that slow: at rest it says 0
-constexpr double crawl_mps = 0.8;   // never slower on the way
+constexpr double creep_mps = 0.8;   // never slower on the way
 constexpr double starting_mps = 3.0, at_rest_mps = 0.2, stop_reach_m = 4.0;
 constexpr double slip_matters_mps = 5.0, past_peak = 1.1;
 constexpr double wide_enough_m = 0.6, lift_1ps2 = 5.0, lift_only_mps2 = 0.2;
@@ -129,7 +129,7 @@ double DriverModel::wanted_force_n(const State& state, double dt_s) {
   const bool stopping = stop_ahead && stops_m_[next_stop_] - middle_.s_m < stop_reach_m;
   const bool launching = here.speed_mps < launch_mps;
   const double wanted_mps = stopping    ? ahead.speed_mps
-                            : launching ? std::max({here.speed_mps, std::min(ahead.speed_mps, 5.0), crawl_mps})
+                            : launching ? std::max({here.speed_mps, std::min(ahead.speed_mps, 5.0), creep_mps})
                                         : here.speed_mps;
   const double error_mps = wanted_mps - state.speed_mps;
   const LinePoint p = line_.at(middle_.s_m);

@@ -25,7 +25,7 @@ CrossSection cross_section(const roadquery::RoadMap& map, const RouteStep& step,
 }
 
 /// Largest distance from a place of the middle to a wheel of that axle, along a direction.
-double reach_m(const LineOptions& car, bool front, double heading_rad, Vec2 direction) {
+double car_reach_m(const LineOptions& car, bool front, double heading_rad, Vec2 direction) {
   const Vec2 ahead{std::cos(heading_rad), std::sin(heading_rad)};
   return 0.5 * car.wheelbase_m * (front ? 1.0 : -1.0) * dot(ahead, direction) +
          0.5 * car.car_width_m * std::abs(cross(ahead, direction));
@@ -45,7 +45,7 @@ LineEnds room_for_wheels(const roadquery::RoadMap& map, const Route& route, cons
     const auto near = std::lower_bound(line.points.begin(), line.points.end() - 1, s_m,
                                        [](const LinePoint& q, double s) { return q.s_m < s; });
     const double heading_rad = heading[static_cast<std::size_t>(near - line.points.begin())];
-    return dot(end.at - Vec2{p.x_m, p.y_m}, outwards) - reach_m(car, front, heading_rad, outwards) - wheel_room_m;
+    return dot(end.at - Vec2{p.x_m, p.y_m}, outwards) - car_reach_m(car, front, heading_rad, outwards) - wheel_room_m;
   };
   LineEnds ends{std::min(room_m, 0.4 * length_m), 0.0};
   ends.to_m = length_m - ends.from_m;

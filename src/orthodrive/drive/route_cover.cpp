@@ -11,14 +11,14 @@
 namespace orthodrive {
 namespace {
 
-using Nodes = std::vector<int>;
+using CoverNodes = std::vector<int>;
 
 constexpr double route_m = 3000.0;  // a route ends with the road that makes it longer
 constexpr double most_detour_m = 1500.0;
 constexpr double straight_m = 12.0;  // a route begins and ends with at least so much road outside junctions
 
 /// Which part of the graph every node belongs to, as the lowest node of that part.
-Nodes parts_of(const RoadGraph& graph) {
+CoverNodes parts_of(const RoadGraph& graph) {
   DisjointSets parts(static_cast<std::size_t>(graph.node_count()));
   const auto join = [&](int a, int b) { parts.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b)); };
   for (int n = 0; n < graph.node_count(); ++n) {
@@ -26,7 +26,7 @@ Nodes parts_of(const RoadGraph& graph) {
     if (graph.is_open(n ^ 1)) join(n, n ^ 1);
     for (const int next : graph.next(n)) join(n, next);
   }
-  Nodes part_of;
+  CoverNodes part_of;
   for (int n = 0; n < graph.node_count(); ++n)
     part_of.push_back(static_cast<int>(parts.find(static_cast<std::size_t>(n))));
   return part_of;
@@ -34,7 +34,7 @@ Nodes parts_of(const RoadGraph& graph) {
 
 /// Nodes of the part with the most metres of lane.
 std::vector<bool> largest_part(const RoadGraph& graph) {
-  const Nodes part = parts_of(graph);
+  const CoverNodes part = parts_of(graph);
   std::vector<double> length_m(part.size(), 0.0);
   for (int n = 0; n < graph.node_count(); ++n)
     if (graph.is_open(n)) length_m[static_cast<std::size_t>(part[static_cast<std::size_t>(n)])] += graph.road(n).length;
@@ -56,10 +56,10 @@ class Cover {
   }
 
   /// The nodes of the next route; empty when every road has been driven.
-  Nodes next_route() {
+  CoverNodes next_route() {
     const int start = choose_start();
     if (start < 0) return {};
-    Nodes route;
+    CoverNodes route;
     double length_m = 0.0;
     const auto take = [&](int node) {
       route.push_back(node);
@@ -68,7 +68,7 @@ class Cover {
     };
     for (const int node : run_up(start)) take(node);
     while (length_m < route_m) {
-      const Nodes more = way_to_nearest(route.back());
+      const CoverNodes more = way_to_nearest(route.back());
       if (more.empty()) break;
       for (const int node : more) take(node);
     }
@@ -95,7 +95,7 @@ class Cover {
   }
 
   /// One of these, rather one that is to be driven anyway, but none of `taken`; -1: there is none.
-  [[nodiscard]] int choose(const Nodes& nodes, const Nodes& taken) const {
+  [[nodiscard]] int choose(const CoverNodes& nodes, const CoverNodes& taken) const {
     int best = -1;
     for (const int n : nodes) {
       if (std::find(taken.begin(), taken.end(), n) != taken.end()) continue;
@@ -105,8 +105,8 @@ class Cover {
   }
 
   /// The start, with the roads before it that the car needs to stand straight.
-  [[nodiscard]] Nodes run_up(int start) const {
-    Nodes way = {start};
+  [[nodiscard]] CoverNodes run_up(int start) const {
+    CoverNodes way = {start};
     for (double straight = straight_on(start); straight < straight_m;) {
       const int node = choose(before_[static_cast<std::size_t>(way.front())], way);
       if (node < 0) break;
@@ -117,8 +117,8 @@ class Cover {
   }
 
   /// The roads after the last one that the car needs to stand straight.
-  [[nodiscard]] Nodes run_out(int last) const {
-    Nodes way = {last};
+  [[nodiscard]] CoverNodes run_out(int last) const {
+    CoverNodes way = {last};
     for (double straight = straight_on(last); straight < straight_m;) {
       const int node = choose(graph_.next(way.back()), way);
       if (node < 0) break;
@@ -130,7 +130,7 @@ class Cover {
   }
 
   /// Nodes after `from` to the nearest one that is to be driven, which is the last of them. Empty: there is none.
-  [[nodiscard]] Nodes way_to_nearest(int from) const {
+  [[nodiscard]] CoverNodes way_to_nearest(int from) const {
     for (const int next : graph_.next(from))
       if (to_drive_[static_cast<std::size_t>(next)]) return {next};
     const PathTree tree = shortest_paths(graph_, from, costs_, most_detour_m);
@@ -141,13 +141,13 @@ class Cover {
           (nearest < 0 || tree.cost[i] < tree.cost[static_cast<std::size_t>(nearest)]))
         nearest = n;
     }
-    return nearest < 0 ? Nodes{} : *tree.path_to(nearest);
+    return nearest < 0 ? CoverNodes{} : *tree.path_to(nearest);
   }
 
   const RoadGraph& graph_;
   std::vector<bool> to_drive_;
   NodeCosts costs_;
-  std::vector<Nodes> before_;  ///< from where one comes to a node
+  std::vector<CoverNodes> before_;  ///< from where one comes to a node
 };
 
 }  // namespace
@@ -157,7 +157,7 @@ std::vector<Route> routes_over_all_roads(const roadquery::RoadMap& map) {
   if (graph.node_count() == 0) return {};
   Cover cover(graph);
   std::vector<Route> routes;
-  for (Nodes nodes = cover.next_route(); !nodes.empty(); nodes = cover.next_route()) {
+  for (CoverNodes nodes = cover.next_route(); !nodes.empty(); nodes = cover.next_route()) {
     Route route;
     for (const int n : nodes) {
       route.steps.push_back(RoadGraph::step_of(n));

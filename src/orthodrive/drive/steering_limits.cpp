@@ -12,7 +12,7 @@ namespace {
 
 constexpr double steering_share = 0.5;  // of its rate; the rest is left to correct with
 constexpr double stop_share = 0.97;     // of the steering's stop; the rest is left to correct with
-constexpr double near_stop_share = 0.8, slowest_mps = 2.0;
+constexpr double near_stop_share = 0.8, slowest_steering_mps = 2.0;
 constexpr double runs_wide = 1.03;  // so much over full lock a bend of a radius of 4 m is left by less than 0.2 m
 
 }  // namespace
@@ -51,7 +51,7 @@ void slow_down_to_steer(const vehicle::CarParameters& car, const EnvelopeTable& 
              stop_share * car.steering.max_wheel_rad;
     };
     const bool near_stop = std::abs(angle[i]) > near_stop_share * car.steering.max_wheel_rad;
-    while (near_stop && legal_mps[i] > slowest_mps && beyond_stop(legal_mps[i])) legal_mps[i] *= 0.95;
+    while (near_stop && legal_mps[i] > slowest_steering_mps && beyond_stop(legal_mps[i])) legal_mps[i] *= 0.95;
   }
 }
 

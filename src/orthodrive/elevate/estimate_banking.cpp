@@ -21,7 +21,7 @@ using namespace elevate;
 
 constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a narrow angle
 
-void check(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const BankingOptions& options) {
+void check_banking(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const BankingOptions& options) {
   for (const HeightGrid& dtm : dtms)
     if (!(dtm.crs == roads.crs))
       throw OptionError(fmt::format("banking: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
@@ -67,20 +67,21 @@ JunctionPlanes junction_planes(const RoadNetwork& roads) {
 }
 
 /// A place where a chain meets a more important one, or itself is that.
-struct Meeting {
+struct BankedMeeting {
   std::size_t station = 0, main_chain = 0, main_station = 0;
   std::optional<Vec2> plane;
 };
 
-std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const NetworkStations& network,
-                                                const std::vector<std::size_t>& order, const JunctionPlanes& planes) {
+std::vector<std::vector<BankedMeeting>> find_banked_meetings(const RoadNetwork& roads, const NetworkStations& network,
+                                                             const std::vector<std::size_t>& order,
+                                                             const JunctionPlanes& planes) {
   std::vector<std::size_t> importance(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) importance[order[k]] = k;
   std::map<std::int64_t, std::vector<StationOfNode>> at_node;
   for (std::size_t p = 0; p < roads.paths.size(); ++p)
     for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n)
       if (const auto id = roads.paths[p].nodes[n].osm_node; id > 0) at_node[id].push_back(network.of_node[p][n]);
-  std::vector<std::vector<Meeting>> meetings(network.chains.size());
+  std::vector<std::vector<BankedMeeting>> meetings(network.chains.size());
   for (const auto& [id, places] : at_node) {
     const StationOfNode main = *std::min_element(
         places.begin(), places.end(),
@@ -98,12 +99,12 @@ std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const 
 /// The chains in parts: a chain needs the planes of those that it meets as the less important one, all in earlier
 /// parts.
 std::vector<std::vector<std::size_t>> generations(const std::vector<std::size_t>& order,
-                                                  const std::vector<std::vector<Meeting>>& meetings) {
+                                                  const std::vector<std::vector<BankedMeeting>>& meetings) {
   std::vector<std::size_t> of_chain(meetings.size());
   std::vector<std::vector<std::size_t>> result;
   for (const std::size_t c : order) {
     std::size_t generation = 0;
-    for (const Meeting& meeting : meetings[c])
+    for (const BankedMeeting& meeting : meetings[c])
       if (meeting.main_chain != c) generation = std::max(generation, of_chain[meeting.main_chain] + 1);
     if (generation == result.size()) result.emplace_back();
     result[generation].push_back(c);
@@ -131,7 +132,7 @@ void walk_away(const StationChain& chain, std::size_t from, double reach_m, Visi
 
 /// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof on their side);
 /// the main road itself does where a junction's plane is known.
-void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main,
+void add_anchors(const StationChain& chain, const BankedMeeting& meeting, const StationChain& main,
                  const BankingFit& main_fit, std::vector<BankingAnchor>& anchors) {
   const Station& at = main.stations[meeting.main_station];
   const Vec2 left = left_normal(at.along);
@@ -241,13 +242,13 @@ void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const std
 
 EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const HeightGrid> dtms,
                                        const BankingOptions& options) {
-  check(roads, dtms, options);
+  check_banking(roads, dtms, options);
   EstimateBankingResult result{.roads = roads};
   const NetworkStations network = make_stations(roads);
   const std::vector<std::vector<AcrossSample>> samples = gather_across_samples(network, dtms, options.coarsest_gsd_m);
   const std::vector<std::size_t> order = by_importance(network);
-  const std::vector<std::vector<Meeting>> meetings =
-      find_meetings(roads, network, order, options.in_junction_planes ? junction_planes(roads) : JunctionPlanes{});
+  const std::vector<std::vector<BankedMeeting>> meetings = find_banked_meetings(
+      roads, network, order, options.in_junction_planes ? junction_planes(roads) : JunctionPlanes{});
 
   std::vector<BankingFit> fits(network.chains.size());
   std::vector<Findings> findings(network.chains.size());
@@ -255,7 +256,7 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
     const StationChain& chain = network.chains[c];
     const DesignBanking design = design_banking(roads, chain, options.design_crown, options.driving_side);
     std::vector<BankingAnchor> anchors;
-    for (const Meeting& meeting : meetings[c])
+    for (const BankedMeeting& meeting : meetings[c])
       add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], anchors);
     fits[c] = fit_banking(chain, samples[c], design, anchors, options);
     for (std::size_t i = 0; i < chain.stations.size(); ++i)

@@ -18,7 +18,7 @@ namespace {
 
 using namespace elevate;
 
-void check(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options) {
+void check_log(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options) {
   if (!(log.crs == roads.crs))
     throw OptionError(fmt::format("drive logs: roads are in {} but the log in {}, need one CRS", roads.crs.definition,
                                   log.crs.definition));
@@ -110,7 +110,7 @@ void report_disagreement(const RoadNetwork& before, FuseDriveLogsResult& result)
 }
 
 /// Crossings of two levels that were high enough before.
-void report_clearance(const RoadNetwork& before, double clearance_m, FuseDriveLogsResult& result) {
+void report_lost_clearance(const RoadNetwork& before, double clearance_m, FuseDriveLogsResult& result) {
   constexpr double tolerance_m = 0.1;
   for (const PathCrossing& crossing : find_crossings(result.roads)) {
     const auto room = [&](const RoadNetwork& roads) {
@@ -138,7 +138,7 @@ void report_clearance(const RoadNetwork& before, double clearance_m, FuseDriveLo
 
 FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options,
                                     Monitor* monitor) {
-  check(roads, log, options);
+  check_log(roads, log, options);
   FuseDriveLogsResult result{.roads = roads};
   const std::vector<MatchLogResult> matches = match_recordings(roads, log, options.match, monitor, result);
   const LogChains chains = make_log_chains(roads);
@@ -153,7 +153,7 @@ FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& lo
 
   report_not_converged(log, result);
   report_disagreement(roads, result);
-  report_clearance(roads, options.clearance_m, result);
+  report_lost_clearance(roads, options.clearance_m, result);
   if (monitor) monitor->progress(1.0, "drive logs");
   return result;
 }

@@ -14,7 +14,7 @@ constexpr double smallest_knot_step_m = 4.0, largest_knot_step_m = 8.0;
 constexpr double shortest_chain_m = 0.5;  // ways of no length still need a spline
 
 /// Appends the nodes of a way; the first one lies where the chain ends so far.
-void append(const RoadNetwork& roads, const ChainPath& member, ProfileChain& chain) {
+void append_member(const RoadNetwork& roads, const ChainPath& member, ProfileChain& chain) {
   const auto& nodes = roads.paths[member.path].nodes;
   double s_m = chain.length_m;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -56,7 +56,7 @@ ProfileChains make_profile_chains(const RoadNetwork& roads, const PathLinks& lin
   for (const PathChain& paths : chain_paths(roads, links, ChainOrder::open_chains_first)) {
     ProfileChain chain;
     chain.closed = paths.closed;
-    for (const ChainPath& member : paths.paths) append(roads, member, chain);
+    for (const ChainPath& member : paths.paths) append_member(roads, member, chain);
     place_knots(roads, chain);
     chain.first_unknown = result.unknowns;
     result.unknowns += chain.unknowns();

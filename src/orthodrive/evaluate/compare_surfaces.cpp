@@ -13,7 +13,7 @@ namespace {
 
 constexpr double step_m = 2.0, same_length_m = 1e-3;
 
-void compare(const roadquery::Road& a, const roadquery::Road& b, SurfaceComparison& result) {
+void compare_roads(const roadquery::Road& a, const roadquery::Road& b, SurfaceComparison& result) {
   const int steps = std::max(1, static_cast<int>(std::ceil(a.length / step_m)));
   for (int k = 0; k <= steps; ++k) {
     const double s = a.length * k / steps;
@@ -43,7 +43,7 @@ SurfaceComparison compare_surfaces(const roadquery::RoadMap& a, const roadquery:
     if (std::abs(road.length - other->second->length) > same_length_m)
       ++result.missing_roads;
     else
-      compare(road, *other->second, result);
+      compare_roads(road, *other->second, result);
     others.erase(other);
   }
   result.missing_roads += others.size();

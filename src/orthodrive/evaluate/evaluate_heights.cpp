@@ -2,20 +2,19 @@
 #include "orthodrive/evaluate/evaluate_heights.hpp"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/evaluate/no_value.hpp"
 #include "orthodrive/evaluate/roads_across.hpp"
 #include "orthodrive/model/sample_height.hpp"
 
 namespace orthodrive {
 namespace {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// What the truth says at a node; NaN where it says nothing.
 struct TrueProfile {
-  double z_m = nan, gradient = nan, banking = nan;
+  double z_m = no_value, gradient = no_value, banking = no_value;
 };
 
 /// truth(path, node, unit tangent) -> TrueProfile.
@@ -57,7 +56,7 @@ HeightScores compare(const RoadNetwork& roads, const ScoreRegion& region, Truth&
   scores.z_m = summarize(z_errors);
   scores.gradient = summarize(gradient_errors);
   scores.banking = summarize(banking_errors);
-  const auto mean = [](double sum, std::size_t n) { return n == 0 ? nan : sum / static_cast<double>(n); };
+  const auto mean = [](double sum, std::size_t n) { return n == 0 ? no_value : sum / static_cast<double>(n); };
   scores.gradient_energy = mean(gradient_squares, segments);
   scores.true_gradient_energy = mean(true_squares, gradient_errors.size());
   scores.gradient_error_energy = mean(difference_squares, gradient_errors.size());

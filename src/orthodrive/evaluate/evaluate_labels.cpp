@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/evaluate/no_value.hpp"
 
 namespace orthodrive {
 namespace {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double ratio(std::size_t part, std::size_t whole) {
-  return whole == 0 ? nan : static_cast<double>(part) / static_cast<double>(whole);
+  return whole == 0 ? no_value : static_cast<double>(part) / static_cast<double>(whole);
 }
 
 void count(LabelScores& scores, const LabelPair& pair) {
@@ -44,12 +43,13 @@ Calibration calibration_of(const ConfidenceCounts& counts) {
     CalibrationBin& bin = calibration.bins[b];
     calibration.pixels += bin.pixels, all_right += right[b], all_stated += stated[b];
     bin.accuracy = ratio(right[b], bin.pixels);
-    bin.mean_confidence = bin.pixels == 0 ? nan : stated[b] / static_cast<double>(bin.pixels);
+    bin.mean_confidence = bin.pixels == 0 ? no_value : stated[b] / static_cast<double>(bin.pixels);
     if (bin.pixels > 0) error += std::abs(static_cast<double>(right[b]) - stated[b]);
   }
   calibration.accuracy = ratio(all_right, calibration.pixels);
-  calibration.mean_confidence = calibration.pixels == 0 ? nan : all_stated / static_cast<double>(calibration.pixels);
-  calibration.expected_error = calibration.pixels == 0 ? nan : error / static_cast<double>(calibration.pixels);
+  calibration.mean_confidence =
+      calibration.pixels == 0 ? no_value : all_stated / static_cast<double>(calibration.pixels);
+  calibration.expected_error = calibration.pixels == 0 ? no_value : error / static_cast<double>(calibration.pixels);
   return calibration;
 }
 
@@ -86,8 +86,8 @@ void fill_scores(LabelScores& scores, const std::vector<ClassInfo>& classes) {
     scores.classes.push_back(std::move(score));
   }
   scores.pixel_accuracy = ratio(right, scores.pixels);
-  scores.mean_iou = occurring == 0 ? nan : sum / static_cast<double>(occurring);
-  scores.mean_iou_of_truth = in_truth == 0 ? nan : sum / static_cast<double>(in_truth);
+  scores.mean_iou = occurring == 0 ? no_value : sum / static_cast<double>(occurring);
+  scores.mean_iou_of_truth = in_truth == 0 ? no_value : sum / static_cast<double>(in_truth);
   scores.road_iou = iou(confusion, [&](std::size_t c) { return classes[c].role == Role::road; });
 }
 }  // namespace

@@ -12,6 +12,7 @@
 #include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/evaluate/grade_separations.hpp"
 #include "orthodrive/evaluate/lane_links.hpp"
+#include "orthodrive/evaluate/no_value.hpp"
 #include "orthodrive/evaluate/road_ends.hpp"
 #include "roadquery/surface_gradient.hpp"
 
@@ -23,7 +24,6 @@ using roadquery::ContactPoint;
 using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 void count_elements(const RoadMap& map, NetworkScores& scores) {
   constexpr const char* kinds[] = {"line", "arc", "spiral", "paramPoly3"};  // order of roadquery::PlanShape
@@ -39,7 +39,7 @@ void count_elements(const RoadMap& map, NetworkScores& scores) {
     scores.road_elements += road.plan.size();
   }
   scores.mean_road_element_m =
-      scores.road_elements > 0 ? scores.road_length_m / static_cast<double>(scores.road_elements) : nan;
+      scores.road_elements > 0 ? scores.road_length_m / static_cast<double>(scores.road_elements) : no_value;
 }
 
 /// Of clothoids exactly, of cubics in 20 steps.
@@ -183,7 +183,7 @@ double connected_share(const RoadMap& map, const RoadsById& by_id) {
     length_m[connected.find(i)] += map.roads[i].length;
     total_m += map.roads[i].length;
   }
-  return total_m > 0.0 ? *std::max_element(length_m.begin(), length_m.end()) / total_m : nan;
+  return total_m > 0.0 ? *std::max_element(length_m.begin(), length_m.end()) / total_m : no_value;
 }
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "orthodrive/evaluate/no_value.hpp"
 #include "orthodrive/evaluate/overlap.hpp"
 #include "orthodrive/evaluate/roads_across.hpp"
 
@@ -31,7 +32,6 @@ SurfaceErrors surface_errors(const RoadNetwork& roads, const RoadTruth& truth, c
 }
 
 namespace {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Width of the surface across a line at p, where it is on it: between the two borders around p.
 std::optional<double> width_across(const MultiPolygon& surface, Vec2 p, Vec2 direction) {
@@ -97,7 +97,7 @@ class MoveCount {
     far_away_ += further_m > 0.3 ? 1 : 0;
   }
   [[nodiscard]] MovedAway moved_away() const {
-    if (places_ == 0) return {nan, nan, 0};
+    if (places_ == 0) return {no_value, no_value, 0};
     const auto n = static_cast<double>(places_);
     return {static_cast<double>(away_) / n, static_cast<double>(far_away_) / n, places_};
   }
@@ -204,14 +204,14 @@ class LineScores {
     scores.offset_sigma = offset_sigma_.coverage();
     scores.width_sigma = width_sigma_.coverage();
     scores.matched_share =
-        scores.samples == 0 ? nan : static_cast<double>(offsets_.size()) / static_cast<double>(scores.samples);
+        scores.samples == 0 ? no_value : static_cast<double>(offsets_.size()) / static_cast<double>(scores.samples);
     if (options_.before) scores.moved_away = moves_.moved_away();
   }
 
  private:
   RoadPlace measure_place(std::size_t line, const TruthPlace& at) {
     const evaluate::RoadsAcross::Query query{.p = at.p, .direction = at.direction, .reach_m = options_.search_m};
-    RoadPlace place{line, at.p, nan, nan, nan, nan, nan};
+    RoadPlace place{line, at.p, no_value, no_value, no_value, no_value, no_value};
     const auto road = index_.find(query);
     if (road) place.offset_m = road->offset_m;
     if (const auto was = index_before_ ? index_before_->find(query) : std::nullopt) {
@@ -244,7 +244,7 @@ class LineScores {
 };
 
 double surface_iou(const RoadNetwork& roads, const RoadTruth& truth, const ScoreRegion& region) {
-  if (truth.surfaces.empty()) return nan;
+  if (truth.surfaces.empty()) return no_value;
   return evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), region).iou();
 }
 }  // namespace
@@ -255,7 +255,7 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
   scores.surface_iou = surface_iou(roads, truth, options.region);
   scores.surface_iou_of_known_ways =
       options.before ? surface_iou(known_ways(roads, *options.before, truth, options.region), truth, options.region)
-                     : nan;
+                     : no_value;
   for (const RoadPath& path : roads.paths) scores.length_m += length_inside_m(centerline(path), options.region);
   for (const TruthLine& line : truth.lines) scores.truth_length_m += length_inside_m(line.line, options.region);
   scores.width_variance_m2 = evaluate::width_variance_m2(roads, options.region);

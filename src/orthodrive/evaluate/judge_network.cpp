@@ -29,7 +29,7 @@ constexpr double one_place_m = 5.0;   // faults of a kind nearer than this are o
 // body v dg for an initial velocity and so at most v dg omega.
 constexpr double body_frequency_radps = 7.96;
 
-double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrapped_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 /// What one lane has to say.
 struct Report {
@@ -91,7 +91,7 @@ class Judge {
 
   /// How far the turn to sample i leaves what the turns before and after it explain: a bend is no jump.
   static double heading_jump_rad(const std::vector<AxleSample>& run, std::size_t i) {
-    const auto turn = [&](std::size_t k) { return wrapped(run[k].heading_rad - run[k - 1].heading_rad); };
+    const auto turn = [&](std::size_t k) { return wrapped_angle(run[k].heading_rad - run[k - 1].heading_rad); };
     return outside(turn(i), turn(i - 1), turn(i + 1));
   }
   /// 0 between the two neighbours.
@@ -137,7 +137,7 @@ class Judge {
   /// twisted, however it turns there. NaN where a wheel would stand beside the road.
   double twist(const AxleSample& rear, const AxleSample& front) const {
     constexpr double straight_rad = 0.05;
-    if (std::abs(wrapped(front.heading_rad - rear.heading_rad)) < straight_rad) return front.roll() - rear.roll();
+    if (std::abs(wrapped_angle(front.heading_rad - rear.heading_rad)) < straight_rad) return front.roll() - rear.roll();
     const auto middle = [](const AxleSample& axle) {
       return std::pair{0.5 * (axle.wheels[0].x + axle.wheels[1].x), 0.5 * (axle.wheels[0].y + axle.wheels[1].y)};
     };
@@ -224,7 +224,7 @@ class Judge {
     add(FaultKind::width_jump, std::abs(a.width_m - b.width_m), end, p.x, p.y);
     if (std::min(a.width_m, b.width_m) < options_.least_lane_m) return;  // opens or ends here: nobody drives it
     add(FaultKind::gap, std::hypot(p.x - q.x, p.y - q.y), end, p.x, p.y);
-    add(FaultKind::heading_jump, std::abs(wrapped(a.heading_rad - b.heading_rad)), end, p.x, p.y);
+    add(FaultKind::heading_jump, std::abs(wrapped_angle(a.heading_rad - b.heading_rad)), end, p.x, p.y);
     if (from.road->junction < 0 && to.road->junction < 0)
       add(FaultKind::curvature_jump,
           curvature_jump_mps2(a.curvature, b.curvature, std::max(from.road->speed_limit_mps, to.road->speed_limit_mps)),

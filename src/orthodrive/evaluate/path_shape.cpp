@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+
+#include "orthodrive/evaluate/no_value.hpp"
 
 namespace orthodrive::evaluate {
 namespace {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Points at equal distances along the line, `steps` + 1 of them.
 Polyline resampled(const Polyline& line, const std::vector<double>& s, std::size_t steps) {
@@ -68,11 +68,11 @@ double width_variance_m2(const RoadNetwork& roads, const ScoreRegion& region) {
     sum += squares;
     ++paths;
   }
-  return paths == 0 ? nan : sum / static_cast<double>(paths);
+  return paths == 0 ? no_value : sum / static_cast<double>(paths);
 }
 
 CurvatureJump largest_curvature_jump(const RoadNetwork& roads, const ScoreRegion& region, double step_m) {
-  CurvatureJump largest{.per_m = nan, .mean_per_m = nan};
+  CurvatureJump largest{.per_m = no_value, .mean_per_m = no_value};
   double sum = 0.0;
   std::size_t paths = 0;
   for (const RoadPath& path : roads.paths) {

@@ -29,9 +29,9 @@ constexpr double level_m = 3.0;  // S3DB: where only levels are known
 constexpr double max_angle_deg = 80.0;
 
 /// Reads the tags of one feature; what is odd does not count and is told.
-class Tags {
+class BuildingTags {
  public:
-  Tags(const OsmTags& tags, Vec2 at, Findings* findings) : tags_(tags), at_(at), findings_(findings) {}
+  BuildingTags(const OsmTags& tags, Vec2 at, Findings* findings) : tags_(tags), at_(at), findings_(findings) {}
 
   struct Limit {
     double most;
@@ -82,7 +82,7 @@ std::optional<double> direction_rad(const std::string& text) {
   return (90.0 - bearing_deg) * std::numbers::pi / 180.0;
 }
 
-void read_heights(const Tags& tags, Building& building) {
+void read_heights(const BuildingTags& tags, Building& building) {
   building.height_m = tags.number({"height", "h"}, {max_height_m, "height"});
   building.levels = tags.number({"building:levels", "lv"}, {max_levels, "levels"});
   building.min_height_m = tags.number_or_zero("min_height", {max_height_m, "min_height"});
@@ -96,7 +96,7 @@ void read_heights(const Tags& tags, Building& building) {
   }
 }
 
-void read_roof(const Tags& tags, Building& building) {
+void read_roof(const BuildingTags& tags, Building& building) {
   building.roof_shape = tags.text("roof:shape");
   building.roof_height_m = tags.number_or_zero("roof:height", {max_height_m, "roof:height"});
   building.roof_levels = tags.number_or_zero("roof:levels", {max_levels, "roof:levels"});
@@ -112,7 +112,7 @@ void read_roof(const Tags& tags, Building& building) {
   }
 }
 
-void read_colors(const Tags& tags, Building& building) {
+void read_colors(const BuildingTags& tags, Building& building) {
   const auto color = [](const std::string& name, const std::string& material) {
     const auto named = map_color(name);
     return named ? named : material_color(material);
@@ -140,7 +140,7 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
         const Box2 box = bounds_of(polygon.outer);
         if (box.max_x < area.min_x || box.min_x > area.max_x || box.max_y < area.min_y || box.min_y > area.max_y)
           continue;
-        const Tags tags(feature.tags, polygon.outer.front(), findings);
+        const BuildingTags tags(feature.tags, polygon.outer.front(), findings);
         Building building{.footprint = std::move(polygon), .use = *use, .is_part = is_part, .osm_id = feature.osm_id};
         building.has_walls = *use != "roof" && *use != "carport" && tags.text("wall") != "no";
         read_heights(tags, building);

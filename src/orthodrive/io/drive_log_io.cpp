@@ -51,7 +51,7 @@ std::array<Vec3, 3> axes_of(double w, double x, double y, double z) {
           Vec3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
 }
 
-double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double dot3(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /// East, north and up at a place, in ECEF.
 struct LocalFrame {
@@ -60,7 +60,7 @@ struct LocalFrame {
       : east{-std::sin(lon), std::cos(lon), 0.0},
         north{-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
         up{std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)} {}
-  [[nodiscard]] Vec3 from_ecef(const Vec3& v) const { return {dot(east, v), dot(north, v), dot(up, v)}; }
+  [[nodiscard]] Vec3 from_ecef(const Vec3& v) const { return {dot3(east, v), dot3(north, v), dot3(up, v)}; }
 };
 
 /// The names of one array in the two layouts; empty when the folder has neither.
@@ -134,7 +134,7 @@ RawLog read_comma_segment(const fs::path& folder) {
     RawPose pose;
     pose.pose.time_s = times.at(i);
     const Vec3 ecef{positions.at(i, 0), positions.at(i, 1), positions.at(i, 2)};
-    if (std::isfinite(ecef.x + ecef.y + ecef.z) && std::sqrt(dot(ecef, ecef)) > 6.3e6) {
+    if (std::isfinite(ecef.x + ecef.y + ecef.z) && std::sqrt(dot3(ecef, ecef)) > 6.3e6) {
       const Vec3 place = geographic_from_ecef(ecef);
       pose.lon = place.x, pose.lat = place.y, pose.pose.z_m = place.z;
       const LocalFrame frame(place.x * rad, place.y * rad);

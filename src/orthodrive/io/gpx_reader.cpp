@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double gap_m = 60.0, gap_s = 30.0;  // between them the way is not known
-constexpr double margin_m = 200.0;            // so far outside the area a trace may still help its border
+constexpr double trace_gap_m = 60.0, trace_gap_s = 30.0;  // between them the way is not known
+constexpr double trace_margin_m = 200.0;                  // so far outside the area a trace may still help its border
 
 struct Fix {
   Vec2 lonlat;
@@ -129,8 +129,8 @@ void add_traces(const Recording& recording, std::size_t number, const Box2& near
       continue;
     }
     const Vec2 p = site_from_lonlat.target_from_source(fix.lonlat);
-    const bool late = before && before->time_s && fix.time_s && std::abs(*fix.time_s - *before->time_s) > gap_s;
-    if (!line.empty() && (late || distance(line.back(), p) > gap_m)) finish();
+    const bool late = before && before->time_s && fix.time_s && std::abs(*fix.time_s - *before->time_s) > trace_gap_s;
+    if (!line.empty() && (late || distance(line.back(), p) > trace_gap_m)) finish();
     if (line.empty() || !(line.back() == p)) line.push_back(p);
     before = &fix;
   }
@@ -155,7 +155,7 @@ GpxTraces read_gpx(const std::vector<fs::path>& files, const SiteFrame& site) {
   const CoordinateTransform site_from_lonlat(Crs{"EPSG:4326"}, site.crs);
   const Box2 area = lonlat_bounds(site.area.outer, site.crs);
   const double degree_m = 111'000.0;
-  const double margin_lat = margin_m / degree_m,
+  const double margin_lat = trace_margin_m / degree_m,
                margin_lon = margin_lat / std::max(0.01, std::cos(0.5 * (area.min_y + area.max_y) * M_PI / 180.0));
   const Box2 near{area.min_x - margin_lon, area.min_y - margin_lat, area.max_x + margin_lon, area.max_y + margin_lat};
   std::size_t number = 0;

@@ -240,7 +240,7 @@ void set_field(OGRFeature& feature, const Value& v) {
 namespace {
 
 /// The EPSG's name for a CRS that is a PROJ string, where it has one: QGIS and others show it instead of "unknown".
-OGRSpatialReference named(const OGRSpatialReference& reference) {
+OGRSpatialReference with_short_name(const OGRSpatialReference& reference) {
   constexpr int least_confidence = 70;  // of 100, PROJ: equivalent but for the names
   OGRSpatialReference* const match = reference.FindBestMatch(least_confidence);
   if (!match) return reference;
@@ -255,7 +255,7 @@ OGRSpatialReference named(const OGRSpatialReference& reference) {
 void write_network_layers(const std::filesystem::path& path, const RoadMap& map) {
   const std::vector<Layer> layers = layers_of(map, path);
   write_geopackage(path, [&](GDALDataset& dataset, const GdalErrors& errors) {
-    OGRSpatialReference reference = named(spatial_reference({map.geo_reference}));
+    OGRSpatialReference reference = with_short_name(spatial_reference({map.geo_reference}));
     for (const Layer& layer : layers) {
       OGRLayer* made = dataset.CreateLayer(layer.name, &reference, layer.type, nullptr);
       if (!made) throw Error(fmt::format("layer '{}' cannot be made, is the disk full?", layer.name));

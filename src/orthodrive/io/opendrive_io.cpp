@@ -26,7 +26,7 @@ using roadquery::Lane;
 using roadquery::Road;
 
 /// "12.50000000" becomes "12.5", "-0.50" becomes "-.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
-std::string trimmed(std::string text) {
+std::string trimmed_text(std::string text) {
   std::string exponent;
   if (const auto e = text.find('e'); e != std::string::npos) {
     exponent = fmt::format("e{}", std::stoi(text.substr(e + 1)));
@@ -43,11 +43,11 @@ std::string trimmed(std::string text) {
 }
 
 /// Rounded to `decimals` places, in the shorter of both notations.
-std::string rounded(double v, int decimals) {
-  std::string fixed = trimmed(fmt::format("{:.{}f}", v, decimals));
+std::string fixed_text(double v, int decimals) {
+  std::string fixed = trimmed_text(fmt::format("{:.{}f}", v, decimals));
   if (fixed == "0" || std::abs(v) >= 1e-3) return fixed;
   const int digits = decimals + static_cast<int>(std::floor(std::log10(std::abs(v))));
-  const std::string scientific = trimmed(fmt::format("{:.{}e}", v, std::max(digits, 0)));
+  const std::string scientific = trimmed_text(fmt::format("{:.{}e}", v, std::max(digits, 0)));
   return scientific.size() < fixed.size() ? scientific : fixed;
 }
 
@@ -61,26 +61,26 @@ constexpr int metre_decimals = 8, place_decimals = 7, height_decimals = 7, width
               superelevation_decimals = 8, heading_decimals = 7, curvature_decimals = 8,
               end_decimals = 6;  ///< the last: of the place where a curvature leads
 
-std::string metres(double v) { return trimmed(fmt::format("{:.{}f}", v, metre_decimals)); }
+std::string metres(double v) { return trimmed_text(fmt::format("{:.{}f}", v, metre_decimals)); }
 /// Of a plan element's start.
-std::string coordinate(double v) { return trimmed(fmt::format("{:.{}f}", v, place_decimals)); }
-std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
-std::string coefficient(double v) { return v == 0.0 ? "0" : trimmed(fmt::format("{:.13g}", v)); }
+std::string coordinate(double v) { return trimmed_text(fmt::format("{:.{}f}", v, place_decimals)); }
+std::string radians(double v) { return trimmed_text(fmt::format("{:.12f}", v)); }
+std::string coefficient(double v) { return v == 0.0 ? "0" : trimmed_text(fmt::format("{:.13g}", v)); }
 
-void set(pugi::xml_node node, const char* name, const std::string& value) {
+void set_attribute(pugi::xml_node node, const char* name, const std::string& value) {
   node.append_attribute(name) = value.c_str();
 }
-void set(pugi::xml_node node, const char* name, int value) { node.append_attribute(name) = value; }
+void set_attribute(pugi::xml_node node, const char* name, int value) { node.append_attribute(name) = value; }
 
 /// Each coefficient so exactly that it moves the value by less than the last of the value's `decimals`.
 void add_cubic(pugi::xml_node parent, const char* name, const Cubic& cubic, double length_m, int decimals,
                const char* s_name = "s") {
   pugi::xml_node node = parent.append_child(name);
-  set(node, s_name, metres(cubic.s));
-  set(node, "a", rounded(cubic.a, decimals));
-  set(node, "b", rounded(cubic.b, decimals + more_decimals(length_m, 1)));
-  set(node, "c", rounded(cubic.c, decimals + more_decimals(length_m, 2)));
-  set(node, "d", rounded(cubic.d, decimals + more_decimals(length_m, 3)));
+  set_attribute(node, s_name, metres(cubic.s));
+  set_attribute(node, "a", fixed_text(cubic.a, decimals));
+  set_attribute(node, "b", fixed_text(cubic.b, decimals + more_decimals(length_m, 1)));
+  set_attribute(node, "c", fixed_text(cubic.c, decimals + more_decimals(length_m, 2)));
+  set_attribute(node, "d", fixed_text(cubic.d, decimals + more_decimals(length_m, 3)));
 }
 
 void add_cubics(pugi::xml_node parent, const char* name, const std::vector<Cubic>& cubics, double end_s, int decimals,
@@ -95,24 +95,24 @@ struct AddShape {
   double length_m = 0.0;
   /// The end moves by less than 1e-6 m, and 1e-8 1/m is none that a wheel feels.
   [[nodiscard]] std::string curvature(double v) const {
-    return rounded(v, std::max(curvature_decimals, end_decimals + more_decimals(length_m, 2)));
+    return fixed_text(v, std::max(curvature_decimals, end_decimals + more_decimals(length_m, 2)));
   }
   void operator()(const roadquery::Line&) { geometry.append_child("line"); }
   void operator()(const roadquery::Arc& arc) {
-    set(geometry.append_child("arc"), "curvature", curvature(arc.curvature));
+    set_attribute(geometry.append_child("arc"), "curvature", curvature(arc.curvature));
   }
   void operator()(const roadquery::Spiral& spiral) {
     pugi::xml_node node = geometry.append_child("spiral");
-    set(node, "curvStart", curvature(spiral.curvature_start));
-    set(node, "curvEnd", curvature(spiral.curvature_end));
+    set_attribute(node, "curvStart", curvature(spiral.curvature_start));
+    set_attribute(node, "curvEnd", curvature(spiral.curvature_end));
   }
   void operator()(const roadquery::ParamPoly3& poly) {
     pugi::xml_node node = geometry.append_child("paramPoly3");
-    set(node, "aU", coefficient(poly.a_u)), set(node, "bU", coefficient(poly.b_u));
-    set(node, "cU", coefficient(poly.c_u)), set(node, "dU", coefficient(poly.d_u));
-    set(node, "aV", coefficient(poly.a_v)), set(node, "bV", coefficient(poly.b_v));
-    set(node, "cV", coefficient(poly.c_v)), set(node, "dV", coefficient(poly.d_v));
-    set(node, "pRange", poly.normalized ? "normalized" : "arcLength");
+    set_attribute(node, "aU", coefficient(poly.a_u)), set_attribute(node, "bU", coefficient(poly.b_u));
+    set_attribute(node, "cU", coefficient(poly.c_u)), set_attribute(node, "dU", coefficient(poly.d_u));
+    set_attribute(node, "aV", coefficient(poly.a_v)), set_attribute(node, "bV", coefficient(poly.b_v));
+    set_attribute(node, "cV", coefficient(poly.c_v)), set_attribute(node, "dV", coefficient(poly.d_v));
+    set_attribute(node, "pRange", poly.normalized ? "normalized" : "arcLength");
   }
 };
 
@@ -124,9 +124,9 @@ void add_link(pugi::xml_node parent, const char* name, const roadquery::RoadLink
   if (link.kind == roadquery::LinkKind::none) return;
   pugi::xml_node node = parent.append_child(name);
   const bool road = link.kind == roadquery::LinkKind::road;
-  set(node, "elementType", road ? "road" : "junction");
-  set(node, "elementId", link.id);
-  if (road) set(node, "contactPoint", contact_name(link.contact));
+  set_attribute(node, "elementType", road ? "road" : "junction");
+  set_attribute(node, "elementId", link.id);
+  if (road) set_attribute(node, "contactPoint", contact_name(link.contact));
 }
 
 /// What the header says is to be added to the file's coordinates.
@@ -158,8 +158,8 @@ const char* written_lane_type(const Lane& lane) {
 
 void add_speed(pugi::xml_node parent, double limit_mps) {
   pugi::xml_node speed = parent.append_child("speed");
-  set(speed, "max", trimmed(fmt::format("{:.2f}", limit_mps * 3.6)));
-  set(speed, "unit", "km/h");
+  set_attribute(speed, "max", trimmed_text(fmt::format("{:.2f}", limit_mps * 3.6)));
+  set_attribute(speed, "unit", "km/h");
 }
 
 /// A lane without marks is written without.
@@ -172,28 +172,29 @@ bool is_unmarked(const Lane& lane) {
 void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited& from, double section_length_m,
               double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
-  set(node, "id", lane.id);
-  set(node, "type", written_lane_type(lane));
+  set_attribute(node, "id", lane.id);
+  set_attribute(node, "type", written_lane_type(lane));
   if (lane.predecessor || lane.successor) {
     pugi::xml_node link = node.append_child("link");
-    if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);
-    if (lane.successor) set(link.append_child("successor"), "id", *lane.successor);
+    if (lane.predecessor) set_attribute(link.append_child("predecessor"), "id", *lane.predecessor);
+    if (lane.successor) set_attribute(link.append_child("successor"), "id", *lane.successor);
   }
   add_cubics(node, "width", lane.width, section_length_m, width_decimals, "sOffset");
   for (const roadquery::RoadMark& mark : is_unmarked(lane) ? std::vector<roadquery::RoadMark>{} : lane.marks) {
     pugi::xml_node m = node.append_child("roadMark");
-    set(m, "sOffset", metres(mark.s_offset));
-    set(m, "type", mark.type);
-    set(m, "color", "standard");
-    set(m, "width", metres(mark.width));
+    set_attribute(m, "sOffset", metres(mark.s_offset));
+    set_attribute(m, "type", mark.type);
+    set_attribute(m, "color", "standard");
+    set_attribute(m, "width", metres(mark.width));
   }
   const bool inherits = roadquery::has_inherited_material(lane, from);
   for (const roadquery::LaneMaterial& material : inherits ? std::vector<roadquery::LaneMaterial>{} : lane.materials) {
     pugi::xml_node m = node.append_child("material");
-    set(m, "sOffset", metres(material.s_offset));
-    set(m, "surface", roadquery::to_string(material.surface));
-    set(m, "friction", trimmed(fmt::format("{:.4f}", material.friction)));
-    if (material.roughness > 0.0) set(m, "roughness", trimmed(fmt::format("{:.5f}", material.roughness)));
+    set_attribute(m, "sOffset", metres(material.s_offset));
+    set_attribute(m, "surface", roadquery::to_string(material.surface));
+    set_attribute(m, "friction", trimmed_text(fmt::format("{:.4f}", material.friction)));
+    if (material.roughness > 0.0)
+      set_attribute(m, "roughness", trimmed_text(fmt::format("{:.5f}", material.roughness)));
   }
   if (limit_mps > 0.0 && lane.id != 0 && lane.type == roadquery::LaneType::driving) {
     add_speed(node, limit_mps);
@@ -201,13 +202,13 @@ void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited&
   }
   for (const roadquery::LaneHeight& height : lane.heights) {
     pugi::xml_node h = node.append_child("height");
-    set(h, "sOffset", metres(height.s_offset));
-    set(h, "inner", metres(height.inner));
-    set(h, "outer", metres(height.outer));
+    set_attribute(h, "sOffset", metres(height.s_offset));
+    set_attribute(h, "inner", metres(height.inner));
+    set_attribute(h, "outer", metres(height.outer));
   }
 }
 
-void add_lanes(pugi::xml_node parent, const Road& road, const roadquery::Inherited& from) {
+void add_lane_nodes(pugi::xml_node parent, const Road& road, const roadquery::Inherited& from) {
   const double limit_mps = road.junction < 0 ? road.speed_limit_mps : 0.0;
   pugi::xml_node lanes = parent.append_child("lanes");
   add_cubics(lanes, "laneOffset", road.lane_offset, road.length, width_decimals);
@@ -215,7 +216,7 @@ void add_lanes(pugi::xml_node parent, const Road& road, const roadquery::Inherit
     const roadquery::LaneSection& section = road.sections[i];
     const double length = (i + 1 < road.sections.size() ? road.sections[i + 1].s : road.length) - section.s;
     pugi::xml_node node = lanes.append_child("laneSection");
-    set(node, "s", metres(section.s));
+    set_attribute(node, "s", metres(section.s));
     if (!section.left.empty()) {
       pugi::xml_node left =
           node.append_child("left");  // by custom from the outside in: ids descend through the section
@@ -236,12 +237,12 @@ void add_lateral_profile(pugi::xml_node road_node, const Road& road) {
   add_cubics(profile, "superelevation", road.superelevation, road.length, superelevation_decimals);
   for (const roadquery::ShapeCubic& shape : road.shape) {
     pugi::xml_node node = profile.append_child("shape");
-    set(node, "s", metres(shape.s));
-    set(node, "t", metres(shape.t));
-    set(node, "a", coefficient(shape.a));
-    set(node, "b", coefficient(shape.b));
-    set(node, "c", coefficient(shape.c));
-    set(node, "d", coefficient(shape.d));
+    set_attribute(node, "s", metres(shape.s));
+    set_attribute(node, "t", metres(shape.t));
+    set_attribute(node, "a", coefficient(shape.a));
+    set_attribute(node, "b", coefficient(shape.b));
+    set_attribute(node, "c", coefficient(shape.c));
+    set_attribute(node, "d", coefficient(shape.d));
   }
 }
 
@@ -250,60 +251,60 @@ void add_surface(pugi::xml_node road_node, const Road& road) {
   pugi::xml_node surface = road_node.append_child("surface");
   for (const roadquery::SurfaceCrg& crg : road.surface) {
     pugi::xml_node node = surface.append_child("CRG");
-    set(node, "file", crg.file);
-    set(node, "sStart", metres(crg.s_start));
-    set(node, "sEnd", metres(crg.s_end));
-    set(node, "orientation", crg.orientation);
-    set(node, "mode", crg.mode);
-    set(node, "purpose", crg.purpose);
-    if (crg.s_offset != 0.0) set(node, "sOffset", metres(crg.s_offset));
-    if (crg.t_offset != 0.0) set(node, "tOffset", metres(crg.t_offset));
-    if (crg.z_offset != 0.0) set(node, "zOffset", metres(crg.z_offset));
-    if (crg.z_scale != 1.0) set(node, "zScale", coefficient(crg.z_scale));
-    if (crg.h_offset != 0.0) set(node, "hOffset", radians(crg.h_offset));
+    set_attribute(node, "file", crg.file);
+    set_attribute(node, "sStart", metres(crg.s_start));
+    set_attribute(node, "sEnd", metres(crg.s_end));
+    set_attribute(node, "orientation", crg.orientation);
+    set_attribute(node, "mode", crg.mode);
+    set_attribute(node, "purpose", crg.purpose);
+    if (crg.s_offset != 0.0) set_attribute(node, "sOffset", metres(crg.s_offset));
+    if (crg.t_offset != 0.0) set_attribute(node, "tOffset", metres(crg.t_offset));
+    if (crg.z_offset != 0.0) set_attribute(node, "zOffset", metres(crg.z_offset));
+    if (crg.z_scale != 1.0) set_attribute(node, "zScale", coefficient(crg.z_scale));
+    if (crg.h_offset != 0.0) set_attribute(node, "hOffset", radians(crg.h_offset));
   }
 }
 
 void add_user_data(pugi::xml_node road, const char* code, const std::string& value) {
   pugi::xml_node node = road.append_child("userData");
-  set(node, "code", code);
-  set(node, "value", value);
+  set_attribute(node, "code", code);
+  set_attribute(node, "value", value);
 }
 
 void add_type(pugi::xml_node road_node, const Road& road) {
   pugi::xml_node type = road_node.append_child("type");
-  set(type, "s", "0");
-  set(type, "type", road_type(road.highway));
+  set_attribute(type, "s", "0");
+  set_attribute(type, "type", road_type(road.highway));
   if (road.speed_limit_mps > 0.0) add_speed(type, road.speed_limit_mps);
 }
 
-std::string centimetres(double v) { return trimmed(fmt::format("{:.2f}", v)); }
+std::string centimetres(double v) { return trimmed_text(fmt::format("{:.2f}", v)); }
 
 /// What is painted: flat, by its corners or by its box.
 void add_object(pugi::xml_node objects, const roadquery::RoadObject& object, const std::string& id) {
   pugi::xml_node node = objects.append_child("object");
-  set(node, "id", id);
-  set(node, "type", object.type);
-  if (!object.subtype.empty()) set(node, "subtype", object.subtype);
-  if (!object.name.empty()) set(node, "name", object.name);
-  set(node, "s", centimetres(object.s));
-  set(node, "t", centimetres(object.t));
-  set(node, "zOffset", "0");
-  if (object.hdg != 0.0) set(node, "hdg", radians(object.hdg));
-  set(node, "orientation", "none");
-  set(node, "height", "0");
-  set(node, "length", centimetres(object.length));
-  set(node, "width", centimetres(object.width));
+  set_attribute(node, "id", id);
+  set_attribute(node, "type", object.type);
+  if (!object.subtype.empty()) set_attribute(node, "subtype", object.subtype);
+  if (!object.name.empty()) set_attribute(node, "name", object.name);
+  set_attribute(node, "s", centimetres(object.s));
+  set_attribute(node, "t", centimetres(object.t));
+  set_attribute(node, "zOffset", "0");
+  if (object.hdg != 0.0) set_attribute(node, "hdg", radians(object.hdg));
+  set_attribute(node, "orientation", "none");
+  set_attribute(node, "height", "0");
+  set_attribute(node, "length", centimetres(object.length));
+  set_attribute(node, "width", centimetres(object.width));
   if (object.outline.empty()) return;
   pugi::xml_node outline = node.append_child("outlines").append_child("outline");
-  set(outline, "id", 0);
-  set(outline, "closed", "true");
+  set_attribute(outline, "id", 0);
+  set_attribute(outline, "closed", "true");
   for (const auto& [s, t] : object.outline) {
     pugi::xml_node corner = outline.append_child("cornerRoad");
-    set(corner, "s", centimetres(s));
-    set(corner, "t", centimetres(t));
-    set(corner, "dz", "0");
-    set(corner, "height", "0");
+    set_attribute(corner, "s", centimetres(s));
+    set_attribute(corner, "t", centimetres(t));
+    set_attribute(corner, "dz", "0");
+    set_attribute(corner, "height", "0");
   }
 }
 
@@ -315,20 +316,20 @@ void add_objects(pugi::xml_node road_node, const Road& road) {
     add_object(objects, road.objects[i], fmt::format("{}_{}", road.id, i + 1));
   if (!road.bridge && !road.tunnel) return;
   pugi::xml_node node = objects.append_child(road.bridge ? "bridge" : "tunnel");
-  set(node, "s", "0");
-  set(node, "length", metres(road.length));
-  set(node, "id", fmt::format("{}_{}", road.bridge ? "bridge" : "tunnel", road.id));
-  if (!road.name.empty()) set(node, "name", road.name);
-  set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
+  set_attribute(node, "s", "0");
+  set_attribute(node, "length", metres(road.length));
+  set_attribute(node, "id", fmt::format("{}_{}", road.bridge ? "bridge" : "tunnel", road.id));
+  if (!road.name.empty()) set_attribute(node, "name", road.name);
+  set_attribute(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
 }
 
 void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& road, const Offset& offset) {
   pugi::xml_node node = root.append_child("road");
-  if (!road.name.empty()) set(node, "name", road.name);
-  set(node, "length", metres(road.length));
-  set(node, "id", road.id);
-  set(node, "junction", road.junction);
-  if (road.driving_side == roadquery::DrivingSide::left) set(node, "rule", "LHT");  // the default is RHT
+  if (!road.name.empty()) set_attribute(node, "name", road.name);
+  set_attribute(node, "length", metres(road.length));
+  set_attribute(node, "id", road.id);
+  set_attribute(node, "junction", road.junction);
+  if (road.driving_side == roadquery::DrivingSide::left) set_attribute(node, "rule", "LHT");  // the default is RHT
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
@@ -338,11 +339,11 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   pugi::xml_node plan = node.append_child("planView");
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
-    set(geometry, "s", metres(e.s));
-    set(geometry, "x", coordinate(e.x - offset.x));
-    set(geometry, "y", coordinate(e.y - offset.y));
-    set(geometry, "hdg", rounded(e.hdg, heading_decimals + more_decimals(e.length, 1)));
-    set(geometry, "length", metres(e.length));
+    set_attribute(geometry, "s", metres(e.s));
+    set_attribute(geometry, "x", coordinate(e.x - offset.x));
+    set_attribute(geometry, "y", coordinate(e.y - offset.y));
+    set_attribute(geometry, "hdg", fixed_text(e.hdg, heading_decimals + more_decimals(e.length, 1)));
+    set_attribute(geometry, "length", metres(e.length));
     std::visit(AddShape{geometry, e.length}, e.shape);
   }
   if (!road.elevation.empty()) {
@@ -350,7 +351,7 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
     add_cubics(profile, "elevation", road.elevation, road.length, height_decimals);
   }
   add_lateral_profile(node, road);
-  add_lanes(node, road, from);
+  add_lane_nodes(node, road, from);
   add_objects(node, road);
   add_surface(node, road);
   if (!road.osm_id.empty() && road.osm_id != from.osm_id) add_user_data(node, "osm_id", road.osm_id);
@@ -363,19 +364,19 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
 /// Columns from west to east, each from its southern end to the north: the line runs along the southernmost nodes.
 void add_elevation_grid(pugi::xml_node node, const roadquery::JunctionSurface& surface) {
   pugi::xml_node grid = node.append_child("elevationGrid");
-  set(grid, "gridSpacing", metres(surface.spacing_m));
-  set(grid, "sStart", "0");
+  set_attribute(grid, "gridSpacing", metres(surface.spacing_m));
+  set_attribute(grid, "sStart", "0");
   const auto height = [&](int column, int row) {
     const double z = surface.z[static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
                                static_cast<std::size_t>(column)];
-    return trimmed(fmt::format("{:.4f}", z));
+    return trimmed_text(fmt::format("{:.4f}", z));
   };
   for (int column = 0; column < surface.columns; ++column) {
     pugi::xml_node elevation = grid.append_child("elevation");
-    set(elevation, "center", height(column, 0));
+    set_attribute(elevation, "center", height(column, 0));
     std::string left;
     for (int row = 1; row < surface.rows; ++row) left += (row > 1 ? " " : "") + height(column, row);
-    if (!left.empty()) set(elevation, "left", left);
+    if (!left.empty()) set_attribute(elevation, "left", left);
   }
 }
 
@@ -383,24 +384,24 @@ void add_elevation_grid(pugi::xml_node node, const roadquery::JunctionSurface& s
 void add_junction_grid(pugi::xml_node node, const roadquery::JunctionSurface& surface, const JunctionBoundary& boundary,
                        const Offset& offset) {
   pugi::xml_node line = node.append_child("planView").append_child("geometry");
-  set(line, "s", "0");
-  set(line, "x", metres(surface.x - offset.x));
-  set(line, "y", metres(surface.y - offset.y));
-  set(line, "hdg", "0");
-  set(line, "length", metres(surface.spacing_m * (surface.columns - 1)));
+  set_attribute(line, "s", "0");
+  set_attribute(line, "x", metres(surface.x - offset.x));
+  set_attribute(line, "y", metres(surface.y - offset.y));
+  set_attribute(line, "hdg", "0");
+  set_attribute(line, "length", metres(surface.spacing_m * (surface.columns - 1)));
   line.append_child("line");
   pugi::xml_node ring = node.append_child("boundary");
   for (const BoundarySegment& segment : boundary.segments) {
     pugi::xml_node s = ring.append_child("segment");
-    set(s, "type", segment.joint ? "joint" : "lane");
-    set(s, "roadId", segment.road);
+    set_attribute(s, "type", segment.joint ? "joint" : "lane");
+    set_attribute(s, "roadId", segment.road);
     if (segment.joint) {
-      set(s, "contactPoint", contact_name(segment.contact));
-      set(s, "transitionLength", metres(roadquery::junction_transition_m));
+      set_attribute(s, "contactPoint", contact_name(segment.contact));
+      set_attribute(s, "transitionLength", metres(roadquery::junction_transition_m));
     } else {
-      set(s, "boundaryLane", 0);
-      set(s, "sStart", "start");
-      set(s, "sEnd", "end");
+      set_attribute(s, "boundaryLane", 0);
+      set_attribute(s, "sStart", "start");
+      set_attribute(s, "sEnd", "end");
     }
   }
   add_elevation_grid(node, surface);
@@ -409,24 +410,24 @@ void add_junction_grid(pugi::xml_node node, const roadquery::JunctionSurface& su
 void add_junction(pugi::xml_node root, const roadquery::Junction& junction, const JunctionBoundary& boundary,
                   const Offset& offset) {
   pugi::xml_node node = root.append_child("junction");
-  if (!junction.name.empty()) set(node, "name", junction.name);
-  set(node, "id", junction.id);
+  if (!junction.name.empty()) set_attribute(node, "name", junction.name);
+  set_attribute(node, "id", junction.id);
   for (const roadquery::Connection& connection : junction.connections) {
     pugi::xml_node c = node.append_child("connection");
-    set(c, "id", connection.id);
-    set(c, "incomingRoad", connection.incoming_road);
-    set(c, "connectingRoad", connection.connecting_road);
-    set(c, "contactPoint", contact_name(connection.contact));
+    set_attribute(c, "id", connection.id);
+    set_attribute(c, "incomingRoad", connection.incoming_road);
+    set_attribute(c, "connectingRoad", connection.connecting_road);
+    set_attribute(c, "contactPoint", contact_name(connection.contact));
     for (const roadquery::LaneLink& link : connection.lane_links) {
       pugi::xml_node l = c.append_child("laneLink");
-      set(l, "from", link.from);
-      set(l, "to", link.to);
+      set_attribute(l, "from", link.from);
+      set_attribute(l, "to", link.to);
     }
   }
   for (const roadquery::Priority& priority : junction.priorities) {
     pugi::xml_node p = node.append_child("priority");
-    set(p, "high", priority.high);
-    set(p, "low", priority.low);
+    set_attribute(p, "high", priority.high);
+    set_attribute(p, "low", priority.low);
   }
   if (!junction.surface) return;
   if (!boundary.segments.empty()) add_junction_grid(node, *junction.surface, boundary, offset);
@@ -436,22 +437,22 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction, cons
 
 void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const Offset& offset, int minor_version) {
   pugi::xml_node header = root.append_child("header");
-  set(header, "revMajor", 1);
-  set(header, "revMinor", minor_version);
-  set(header, "name", map.name);
-  set(header, "north", metres(map.north - offset.y));
-  set(header, "south", metres(map.south - offset.y));
-  set(header, "east", metres(map.east - offset.x));
-  set(header, "west", metres(map.west - offset.x));
-  set(header, "vendor", "orthodrive");
+  set_attribute(header, "revMajor", 1);
+  set_attribute(header, "revMinor", minor_version);
+  set_attribute(header, "name", map.name);
+  set_attribute(header, "north", metres(map.north - offset.y));
+  set_attribute(header, "south", metres(map.south - offset.y));
+  set_attribute(header, "east", metres(map.east - offset.x));
+  set_attribute(header, "west", metres(map.west - offset.x));
+  set_attribute(header, "vendor", "orthodrive");
   if (!map.geo_reference.empty())
     header.append_child("geoReference").append_child(pugi::node_cdata).set_value(map.geo_reference.c_str());
   if (offset.x == 0.0 && offset.y == 0.0) return;
   pugi::xml_node node = header.append_child("offset");
-  set(node, "x", metres(offset.x));
-  set(node, "y", metres(offset.y));
-  set(node, "z", "0");
-  set(node, "hdg", "0");
+  set_attribute(node, "x", metres(offset.x));
+  set_attribute(node, "y", metres(offset.y));
+  set_attribute(node, "z", "0");
+  set_attribute(node, "hdg", "0");
 }
 
 /// Characters of an element on one line, but for escaped ones.

@@ -118,21 +118,21 @@ class NodePlaces {
 };
 
 /// Nodes in a row that have a place; a node that the file lacks (extracts cut ways) splits the way.
-struct Run {
+struct NodeRun {
   Polyline line;
   std::vector<std::int64_t> nodes;
 };
 
 /// `report(code, what, where)` hears of nodes that are missing or doubled.
 template <typename Report>
-std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, const Box2& area_lonlat,
-                              const CoordinateTransform& site_from_lonlat, const Report& report) {
+std::vector<NodeRun> located_runs(const DrivableWay& way, const NodePlaces& places, const Box2& area_lonlat,
+                                  const CoordinateTransform& site_from_lonlat, const Report& report) {
   Ring lonlat;
   for (const std::int64_t id : way.nodes)
     if (const Vec2 p = places.lonlat(id); !std::isnan(p.x)) lonlat.push_back(p);
   if (lonlat.empty() || !bounds_of(lonlat).overlaps(area_lonlat))
     return {};  // far ones may not even have a place in the CRS
-  std::vector<Run> runs(1);
+  std::vector<NodeRun> runs(1);
   std::size_t doubled = 0;
   Vec2 doubled_at;
   for (const std::int64_t id : way.nodes) {
@@ -144,7 +144,7 @@ std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, 
       if (!runs.back().line.empty()) runs.emplace_back();
       continue;
     }
-    Run& run = runs.back();
+    NodeRun& run = runs.back();
     const Vec2 q = site_from_lonlat.target_from_source(p);
     if (!run.line.empty() && run.line.back() == q) {  // doubled nodes make segments without a direction
       ++doubled, doubled_at = q;
@@ -156,13 +156,13 @@ std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, 
   if (doubled > 0)
     report("osm.doubled_nodes",
            fmt::format("{} of its nodes lie where the one before lies, they are left out", doubled), doubled_at);
-  for (const Run& run : runs)
+  for (const NodeRun& run : runs)
     if (run.line.size() == 1)
       report("osm.no_length", "a part of it has one place only, it is left out", run.line.front());
   return runs;
 }
 
-RoadPath make_path(const DrivableWay& way, int part, const Run& run, const std::vector<ClippedPoint>& piece) {
+RoadPath make_path(const DrivableWay& way, int part, const NodeRun& run, const std::vector<ClippedPoint>& piece) {
   RoadPath path = way.attributes.path;
   path.osm_id = way.id;
   path.part = part;
@@ -192,7 +192,7 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
         if (findings && contains(site.area, where))
           findings->push_back({Severity::warning, code, fmt::format("way {}: {}", way.id, what), where.x, where.y});
       };
-      for (const Run& run : located_runs(way, places, area_lonlat, site_from_lonlat, report))
+      for (const NodeRun& run : located_runs(way, places, area_lonlat, site_from_lonlat, report))
         for (const auto& piece : clip_line(run.line, site.area)) {
           RoadPath road = make_path(way, part, run, piece);
           if (road.nodes.back().s_m < min_piece_m) continue;

@@ -9,7 +9,7 @@ namespace orthodrive::io {
 namespace {
 constexpr double foot_m = 0.3048, inch_m = 0.0254;
 
-std::string value_of(const OsmTags& tags, const char* key) {
+std::string tag_value(const OsmTags& tags, const char* key) {
   const auto it = tags.find(key);
   return it == tags.end() ? std::string() : it->second;
 }
@@ -45,21 +45,21 @@ double parse_width_m(const std::string& text) {
 WayAttributes way_attributes(const OsmTags& tags) {
   WayAttributes way;
   RoadPath& path = way.path;
-  path.highway = value_of(tags, "highway");
-  path.name = value_of(tags, "name");
-  path.bridge = is_set(value_of(tags, "bridge"));
-  path.tunnel = is_set(value_of(tags, "tunnel"));
-  path.layer = parse_int(value_of(tags, "layer"), path.bridge ? 1 : path.tunnel ? -1 : 0);
-  path.lanes = std::max(0, parse_int(value_of(tags, "lanes"), 0));
-  const std::string junction = value_of(tags, "junction"), oneway = value_of(tags, "oneway");
+  path.highway = tag_value(tags, "highway");
+  path.name = tag_value(tags, "name");
+  path.bridge = is_set(tag_value(tags, "bridge"));
+  path.tunnel = is_set(tag_value(tags, "tunnel"));
+  path.layer = parse_int(tag_value(tags, "layer"), path.bridge ? 1 : path.tunnel ? -1 : 0);
+  path.lanes = std::max(0, parse_int(tag_value(tags, "lanes"), 0));
+  const std::string junction = tag_value(tags, "junction"), oneway = tag_value(tags, "oneway");
   path.roundabout = junction == "roundabout" || junction == "circular";
   way.reversed = oneway == "-1" || oneway == "reverse";
   const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
   if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
   read_lane_tags(tags, way);
-  way.width_m = parse_width_m(value_of(tags, "width"));
+  way.width_m = parse_width_m(tag_value(tags, "width"));
   path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
-  const std::string width = value_of(tags, "width"), lanes = value_of(tags, "lanes");
+  const std::string width = tag_value(tags, "width"), lanes = tag_value(tags, "lanes");
   if (!width.empty() && way.width_m == 0.0) way.odd.push_back("width=" + width);
   if (!lanes.empty() && path.lanes == 0) way.odd.push_back("lanes=" + lanes);
   if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway);
@@ -69,20 +69,20 @@ WayAttributes way_attributes(const OsmTags& tags) {
 namespace {
 /// crossing:markings counts first: it says what is painted, the older values of crossing say it in part.
 NodeSignKind crossing_kind(const OsmTags& tags) {
-  const std::string crossing = value_of(tags, "crossing"), markings = value_of(tags, "crossing:markings");
-  if (crossing == "traffic_signals" || value_of(tags, "crossing:signals") == "yes")
+  const std::string crossing = tag_value(tags, "crossing"), markings = tag_value(tags, "crossing:markings");
+  if (crossing == "traffic_signals" || tag_value(tags, "crossing:signals") == "yes")
     return NodeSignKind::signal_crossing;
   if (!markings.empty()) return markings == "no" ? NodeSignKind::plain_crossing : NodeSignKind::zebra;
   const bool marked = crossing == "zebra" || crossing == "marked" || crossing == "uncontrolled";
-  return marked || value_of(tags, "crossing_ref") == "zebra" ? NodeSignKind::zebra : NodeSignKind::plain_crossing;
+  return marked || tag_value(tags, "crossing_ref") == "zebra" ? NodeSignKind::zebra : NodeSignKind::plain_crossing;
 }
 }  // namespace
 
 std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags) {
-  const std::string highway = value_of(tags, "highway"), crossing = value_of(tags, "crossing");
-  std::string towards = value_of(tags, "direction");
-  if (highway == "traffic_signals" && !value_of(tags, "traffic_signals:direction").empty())
-    towards = value_of(tags, "traffic_signals:direction");
+  const std::string highway = tag_value(tags, "highway"), crossing = tag_value(tags, "crossing");
+  std::string towards = tag_value(tags, "direction");
+  if (highway == "traffic_signals" && !tag_value(tags, "traffic_signals:direction").empty())
+    towards = tag_value(tags, "traffic_signals:direction");
   const int direction = towards == "forward" ? 1 : towards == "backward" ? -1 : 0;
   std::vector<NodeSign> signs;
   for (const NodeSignKind kind : {NodeSignKind::stop, NodeSignKind::give_way, NodeSignKind::traffic_signals})

@@ -296,7 +296,7 @@ void need_fields(const fs::path& path, OGRLayer& layer, const Field (&fields)[n]
 using PathKey = std::pair<std::int64_t, int>;  // osm_id, part
 PathKey key_of(const OGRFeature& row) { return {row.GetFieldAsInteger64("osm_id"), row.GetFieldAsInteger("part")}; }
 
-Sides sides_of(int value) { return value >= 0 && value <= 3 ? static_cast<Sides>(value) : Sides::none; }
+Sides sides_of_number(int value) { return value >= 0 && value <= 3 ? static_cast<Sides>(value) : Sides::none; }
 
 void read_lane_fields(const OGRFeature& row, RoadPath& path) {
   if (row.GetFieldIndex(lane_fields[0].name) < 0) return;
@@ -305,8 +305,8 @@ void read_lane_fields(const OGRFeature& row, RoadPath& path) {
   path.turn_forward = row.GetFieldAsString("turn_forward");
   path.turn_backward = row.GetFieldAsString("turn_backward");
   path.speed_limit_kmh = row.GetFieldAsDouble("speed_limit_kmh");
-  path.sidewalk = sides_of(row.GetFieldAsInteger("sidewalk"));
-  path.shoulder = sides_of(row.GetFieldAsInteger("shoulder"));
+  path.sidewalk = sides_of_number(row.GetFieldAsInteger("sidewalk"));
+  path.shoulder = sides_of_number(row.GetFieldAsInteger("shoulder"));
   path.surface = row.GetFieldAsString("surface");
 }
 

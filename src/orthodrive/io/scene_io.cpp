@@ -21,7 +21,8 @@ constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -11;     // of tileable textures: half a texel of 4 mm in 4 m
 constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
 // glTF 2.0: filters and wrap modes of samplers.
-constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071, repeat = 10497;
+constexpr int filter_nearest = 9728, filter_linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071,
+              repeat = 10497;
 
 /// glTF is y up: east, up, south. 3D Tiles turns it back.
 std::array<float, 3> y_up(const std::array<float, 3>& v) { return {v[0], v[2], -v[1]}; }
@@ -136,7 +137,7 @@ class Materials {
       const bool webp = format_ == PhotoFormat::webp;
       const auto bytes = webp ? encode_webp(rgb) : encode_jpeg(rgb, photo_jpeg_quality);
       material["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
-          add_picture(bytes, webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, linear);
+          add_picture(bytes, webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, filter_linear);
     }
     return add(std::move(material));
   }
@@ -149,7 +150,7 @@ class Materials {
       if (texture_of_)
         image = {{"mimeType", has_color_alone(of) ? "image/png" : "image/jpeg"},
                  {"bufferView", file_.add_bytes(encode_picture(rgb))}};
-      const int index = add_texture(std::move(image), linear_mipmap_linear, linear, repeat);
+      const int index = add_texture(std::move(image), linear_mipmap_linear, filter_linear, repeat);
       return GltfJson{{"index", index}, {"texCoord", 1}};
     };
     if (has_color_alone(of))
@@ -207,7 +208,7 @@ std::size_t add_table(GlbFile& file, const char* class_name,
 /// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
 /// table with each class's name, role and colour (#rrggbb). Returns the feature ids of the primitives.
 GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
-  const int texture = materials.add_picture(encode_png(labels), "image/png", nearest, nearest);
+  const int texture = materials.add_picture(encode_png(labels), "image/png", filter_nearest, filter_nearest);
   std::vector<std::string> names, roles, colors;
   for (const ClassInfo& info : table.classes) {
     names.push_back(info.name), roles.push_back(to_string(info.role));

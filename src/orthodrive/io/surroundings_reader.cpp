@@ -21,9 +21,9 @@ namespace {
 
 using Tags = std::map<std::string, std::string>;
 
-constexpr double max_height_m = 20.0, max_object_m = 400.0;
+constexpr double max_barrier_height_m = 20.0, max_object_m = 400.0;
 
-std::string tag(const Tags& tags, const char* key) {
+std::string tag_of(const Tags& tags, const char* key) {
   const auto found = tags.find(key);
   return found == tags.end() ? "" : found->second;
 }
@@ -33,7 +33,7 @@ bool is_one_of(const std::string& value, const std::array<std::string_view, N>& 
   return std::ranges::find(names, value) != names.end();
 }
 
-bool is_set(const std::string& value) { return !value.empty() && value != "no" && value != "0"; }
+bool is_true(const std::string& value) { return !value.empty() && value != "no" && value != "0"; }
 
 bool has_no_tags(const Tags& tags) {
   return std::ranges::all_of(tags, [](const auto& entry) { return entry.second.empty(); });
@@ -51,28 +51,29 @@ std::optional<BarrierKind> barrier_kind(const std::string& barrier) {
 
 bool is_water(const Tags& tags) {
   constexpr std::array<std::string_view, 2> basins = {"reservoir", "basin"};
-  return tag(tags, "natural") == "water" || tag(tags, "waterway") == "riverbank" || tag(tags, "t") == "water" ||
-         is_one_of(tag(tags, "landuse"), basins) || has_no_tags(tags);
+  return tag_of(tags, "natural") == "water" || tag_of(tags, "waterway") == "riverbank" ||
+         tag_of(tags, "t") == "water" || is_one_of(tag_of(tags, "landuse"), basins) || has_no_tags(tags);
 }
 
 /// Ground to drive into, not what is built on it.
 bool is_gravel(const Tags& tags) {
   constexpr std::array<std::string_view, 2> natural = {"shingle", "sand"};
   constexpr std::array<std::string_view, 4> surfaces = {"gravel", "fine_gravel", "pebblestone", "sand"};
-  if (is_one_of(tag(tags, "natural"), natural)) return true;
-  return is_one_of(tag(tags, "surface"), surfaces) && tag(tags, "building").empty();
+  if (is_one_of(tag_of(tags, "natural"), natural)) return true;
+  return is_one_of(tag_of(tags, "surface"), surfaces) && tag_of(tags, "building").empty();
 }
 
 /// Not garages and what lies below the ground.
 bool is_parking(const Tags& tags) {
   constexpr std::array<std::string_view, 4> built = {"underground", "multi-storey", "rooftop", "garage_boxes"};
-  if (is_set(tag(tags, "building"))) return false;
-  return (tag(tags, "amenity") == "parking" && !is_one_of(tag(tags, "parking"), built)) || tag(tags, "t") == "parking";
+  if (is_true(tag_of(tags, "building"))) return false;
+  return (tag_of(tags, "amenity") == "parking" && !is_one_of(tag_of(tags, "parking"), built)) ||
+         tag_of(tags, "t") == "parking";
 }
 
 bool is_track(const Tags& tags) {
   constexpr std::array<std::string_view, 5> kinds = {"rail", "light_rail", "tram", "narrow_gauge", "preserved"};
-  return is_one_of(tag(tags, "railway"), kinds) || tag(tags, "t") == "rail";
+  return is_one_of(tag_of(tags, "railway"), kinds) || tag_of(tags, "t") == "rail";
 }
 
 /// Metres, of ways for people on foot or bicycles that tell no width; 0 for other ways. The middle of what EFA (FGSV
@@ -81,13 +82,13 @@ double path_width_m(const Tags& tags) {
   constexpr std::array<std::pair<std::string_view, double>, 6> usual = {
       {{"footway", 2.0}, {"cycleway", 2.5}, {"pedestrian", 4.0}, {"path", 1.2}, {"bridleway", 1.5}, {"steps", 1.5}}};
   constexpr double least_m = 0.5, most_m = 15.0;
-  const std::string highway = tag(tags, "highway"), layer = tag(tags, "layer");
-  if (is_set(tag(tags, "indoor")) || layer.starts_with('-') || tag(tags, "footway") == "crossing" ||
-      tag(tags, "cycleway") == "crossing" || tag(tags, "path") == "crossing")
+  const std::string highway = tag_of(tags, "highway"), layer = tag_of(tags, "layer");
+  if (is_true(tag_of(tags, "indoor")) || layer.starts_with('-') || tag_of(tags, "footway") == "crossing" ||
+      tag_of(tags, "cycleway") == "crossing" || tag_of(tags, "path") == "crossing")
     return 0.0;
   const auto found = std::ranges::find(usual, std::string_view(highway), &std::pair<std::string_view, double>::first);
   if (found == usual.end()) return 0.0;
-  const double told_m = parse_width_m(tag(tags, "width"));
+  const double told_m = parse_width_m(tag_of(tags, "width"));
   return told_m > 0.0 ? std::clamp(told_m, least_m, most_m) : found->second;
 }
 
@@ -97,14 +98,14 @@ class Collector {
 
   void add(Feature& feature) {
     const Tags& tags = feature.tags;
-    if (is_set(tag(tags, "tunnel")) || is_set(tag(tags, "bridge")) || is_set(tag(tags, "br")) ||
-        is_set(tag(tags, "covered")))
+    if (is_true(tag_of(tags, "tunnel")) || is_true(tag_of(tags, "bridge")) || is_true(tag_of(tags, "br")) ||
+        is_true(tag_of(tags, "covered")))
       return;
-    if (const auto kind = barrier_kind(tag(tags, "barrier"))) return add_barrier(*kind, feature);
+    if (const auto kind = barrier_kind(tag_of(tags, "barrier"))) return add_barrier(*kind, feature);
     if (is_track(tags)) return add_lines(feature.lines);
-    if (tag(tags, "highway") == "street_lamp") return add_lamps(feature.points);
+    if (tag_of(tags, "highway") == "street_lamp") return add_lamps(feature.points);
     if (const double width_m = path_width_m(tags); width_m > 0.0) return add_paths(feature, width_m);
-    const std::string power = tag(tags, "power");
+    const std::string power = tag_of(tags, "power");
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
     if (is_gravel(tags)) return add_areas(feature.polygons, result.gravel);
@@ -123,7 +124,7 @@ class Collector {
   void add_barrier(BarrierKind kind, const Feature& feature) {
     const auto add_line = [&](const Polyline& line) {
       if (line.size() < 2 || !is_near(line)) return;
-      result.barriers.push_back({kind, line, height_m(feature.tags, line.front(), {max_height_m, "barrier"})});
+      result.barriers.push_back({kind, line, height_m(feature.tags, line.front(), {max_barrier_height_m, "barrier"})});
     };
     for (const Polyline& line : feature.lines) add_line(line);
     for (const Polygon& polygon : feature.polygons) {
@@ -142,7 +143,8 @@ class Collector {
   }
   void add_paths(Feature& feature, double width_m) {
     const Tags& tags = feature.tags;
-    const KnownSurface known = surface_of_tags(tag(tags, "highway"), tag(tags, "surface"), tag(tags, "tracktype"));
+    const KnownSurface known =
+        surface_of_tags(tag_of(tags, "highway"), tag_of(tags, "surface"), tag_of(tags, "tracktype"));
     for (Polyline& line : feature.lines)
       if (line.size() >= 2 && is_near(line)) result.paths.push_back({std::move(line), width_m, known.surface});
   }
@@ -160,7 +162,7 @@ class Collector {
       if (area_.contains(p))
         result.objects.push_back({kind, p, height_m(feature.tags, p, {max_object_m, "object"}), radius_m});
     };
-    for (const Vec2 p : feature.points) add_at(p, 0.5 * parse_width_m(tag(feature.tags, "diameter")));
+    for (const Vec2 p : feature.points) add_at(p, 0.5 * parse_width_m(tag_of(feature.tags, "diameter")));
     for (const Polygon& polygon : feature.polygons) {
       if (polygon.outer.size() < 3) continue;
       const Box2 box = bounds_of(polygon.outer);
@@ -174,7 +176,7 @@ class Collector {
   };
   /// 0 for what is not known; what is odd is told.
   double height_m(const Tags& tags, Vec2 at, const HeightOf& of) {
-    const std::string text = tag(tags, "height");
+    const std::string text = tag_of(tags, "height");
     if (text.empty()) return 0.0;
     const double value = parse_width_m(text);
     if (value > 0.0 && value <= of.most_m) return value;

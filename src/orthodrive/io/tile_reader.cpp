@@ -51,7 +51,7 @@ std::size_t size_of(int type) {
   }
 }
 
-std::size_t width_of(const std::string& type) {
+std::size_t component_count(const std::string& type) {
   for (const auto& [name, width] : {std::pair{"SCALAR", 1U}, {"VEC2", 2U}, {"VEC3", 3U}, {"VEC4", 4U}})
     if (type == name) return width;
   throw Error("accessor of type " + type);
@@ -102,7 +102,7 @@ class Glb {
   [[nodiscard]] std::vector<double> numbers(const Json& index) {
     const Json& accessor = json.at("accessors").at(count_of(index));
     const int type = whole_number<int>(accessor.at("componentType"), "a componentType");
-    const std::size_t width = width_of(accessor.at("type")), count = count_of(accessor.at("count")),
+    const std::size_t width = component_count(accessor.at("type")), count = count_of(accessor.at("count")),
                       size = size_of(type);
     const std::size_t view_index = count_of(accessor.at("bufferView")), offset = count_or_zero(accessor, "byteOffset");
     const View& view = unpacked(view_index);
@@ -281,7 +281,7 @@ void add_tiles(const Json& tile, const fs::path& folder, Vec3 site_origin, std::
 
 /// What reading throws, with the file's name.
 template <typename Read>
-auto named(const fs::path& path, const Read& read) {
+auto with_name(const fs::path& path, const Read& read) {
   try {
     return read();
   } catch (const std::exception& error) {
@@ -295,7 +295,7 @@ auto named(const fs::path& path, const Read& read) {
 std::vector<TileFile> read_tileset(const fs::path& folder) {
   const fs::path path = folder / "tileset.json";
   if (!fs::exists(path)) throw InputError(path.string(), "no such file; give the folder that `orthodrive scene` wrote");
-  return named(path, [&] {
+  return with_name(path, [&] {
     std::ifstream stream(path);
     const Json tileset = Json::parse(stream);
     const Json& origin = tileset.at("asset").at("extras").at("orthodrive").at("origin");
@@ -306,7 +306,7 @@ std::vector<TileFile> read_tileset(const fs::path& folder) {
 }
 
 SceneTile read_tile_glb(const TileFile& file) {
-  return named(file.path, [&] {
+  return with_name(file.path, [&] {
     Glb glb(file.path);
     SceneTile tile{.level = file.level,
                    .column = file.column,

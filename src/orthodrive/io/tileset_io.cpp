@@ -12,7 +12,7 @@
 namespace orthodrive::io {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using TilesetJson = nlohmann::ordered_json;
 
 /// Not drawn, only compared: the error of a scene without any tile. Bigger than any screen error a viewer accepts.
 constexpr double nothing_drawn_error_m = 1e4;
@@ -32,7 +32,7 @@ Placement relative_to(const Placement& parent, const Placement& tile) {
   return {local(tile.east), local(tile.north), local(tile.up), local(tile.at - parent.at)};
 }
 
-Json transform_json(const Placement& p) {
+TilesetJson transform_json(const Placement& p) {
   return {p.east.x, p.east.y, p.east.z, 0.0, p.north.x, p.north.y, p.north.z, 0.0,
           p.up.x,   p.up.y,   p.up.z,   0.0, p.at.x,    p.at.y,    p.at.z,    1.0};
 }
@@ -49,7 +49,7 @@ Volume joined(const Volume& a, const Volume& b) {
           std::max(a.max_z, b.max_z)};
 }
 
-Json box_json(const Volume& v, Vec3 origin) {
+TilesetJson box_json(const Volume& v, Vec3 origin) {
   const double x = 0.5 * v.box.width(), y = 0.5 * v.box.height(), z = 0.5 * (v.max_z - v.min_z);
   return {{"box",
            {v.box.min_x + x - origin.x, v.box.min_y + y - origin.y, v.min_z + z - origin.z, x, 0.0, 0.0, 0.0, y, 0.0,
@@ -67,10 +67,10 @@ class Tree {
   }
   [[nodiscard]] const Geoid& geoid() const { return geoid_; }
 
-  [[nodiscard]] Json root() const {
+  [[nodiscard]] TilesetJson root() const {
     const Placement placement = placement_at(lonlat_from_site_, geoid_, site_origin_);
-    Json json = {{"transform", transform_json(placement)}};
-    Json children = Json::array();
+    TilesetJson json = {{"transform", transform_json(placement)}};
+    TilesetJson children = TilesetJson::array();
     Volume all{};
     for (const auto& [key, tile] : at_) {
       if (tile->level != top_level_ && parent_of(*tile) != nullptr) continue;
@@ -93,10 +93,10 @@ class Tree {
     return found == at_.end() ? nullptr : found->second;
   }
 
-  [[nodiscard]] std::pair<Json, Volume> node(const TileEntry& tile, const Placement& parent) const {
+  [[nodiscard]] std::pair<TilesetJson, Volume> node(const TileEntry& tile, const Placement& parent) const {
     const Placement placement = placement_at(lonlat_from_site_, geoid_, tile.origin);
     Volume volume{tile.bounds, tile.min_z_m, tile.max_z_m};
-    Json children = Json::array();
+    TilesetJson children = TilesetJson::array();
     for (const int k : {0, 1, 2, 3}) {
       const auto found = at_.find({tile.level - 1, 2 * tile.column + k / 2, 2 * tile.row + k % 2});
       if (found == at_.end()) continue;
@@ -105,11 +105,11 @@ class Tree {
       children.push_back(std::move(child));
     }
     const Vec3 moved = tile.origin - site_origin_;
-    Json json = {{"transform", transform_json(relative_to(parent, placement))},
-                 {"boundingVolume", box_json(volume, tile.origin)},
-                 {"geometricError", tile.geometric_error_m},
-                 {"content", {{"uri", tile.uri}}},
-                 {"extras", {{"origin", {moved.x, moved.y, moved.z}}}}};
+    TilesetJson json = {{"transform", transform_json(relative_to(parent, placement))},
+                        {"boundingVolume", box_json(volume, tile.origin)},
+                        {"geometricError", tile.geometric_error_m},
+                        {"content", {{"uri", tile.uri}}},
+                        {"extras", {{"origin", {moved.x, moved.y, moved.z}}}}};
     if (!children.empty()) json["children"] = std::move(children);
     return {std::move(json), volume};
   }
@@ -146,10 +146,10 @@ void write_tileset(const std::filesystem::path& folder, const std::vector<TileEn
                         "PROJ has no geoid grid (egm96_15.gtx of Debian's proj-data): on a globe the scene lies as if "
                         "its heights counted from the ellipsoid, up to 100 m off",
                         site_origin.x, site_origin.y});
-  const Json extras = {{"crs", crs.definition}, {"origin", {site_origin.x, site_origin.y, site_origin.z}}};
-  const Json tileset = {{"asset", {{"version", "1.1"}, {"extras", {{"orthodrive", extras}}}}},
-                        {"geometricError", nothing_drawn_error_m},
-                        {"root", tree.root()}};
+  const TilesetJson extras = {{"crs", crs.definition}, {"origin", {site_origin.x, site_origin.y, site_origin.z}}};
+  const TilesetJson tileset = {{"asset", {{"version", "1.1"}, {"extras", {{"orthodrive", extras}}}}},
+                               {"geometricError", nothing_drawn_error_m},
+                               {"root", tree.root()}};
   write_text_file(folder / "tileset.json", tileset.dump(1) + "\n");
 }
 

@@ -12,14 +12,14 @@
 namespace orthodrive {
 namespace {
 
-constexpr int strip_cells = 128;  // so many cells of a row at once: their patches fit into the cache
-constexpr int depthwise_kernel = 3;
+constexpr int patch_cells = 128;  // so many cells of a row at once: their patches fit into the cache
+constexpr int depthwise_side = 3;
 constexpr int lrn_size = 5;
 constexpr float lrn_alpha = 1e-4F;  // with the exponent 3/4
 
 /// Rounded down; so that a position within a stride is never negative.
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-int position_in(int cell, int stride) { return cell - stride * floor_div(cell, stride); }
+int floor_of_ratio(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+int position_in(int cell, int stride) { return cell - stride * floor_of_ratio(cell, stride); }
 
 void fill_up(std::vector<float>& values, int channels, std::size_t rows) {
   const auto from = static_cast<std::size_t>(channels), to = static_cast<std::size_t>(cell_stride_of(channels));
@@ -39,7 +39,7 @@ struct DeconvolutionTaps {
 DeconvolutionTaps taps_at(const Layer& layer, int position) {
   DeconvolutionTaps found;  // output o takes tap k of input i where i * stride - padding + k = o
   const int shifted = position + layer.padding, last = layer.kernel - 1;
-  found.first_input = floor_div(shifted - last + layer.stride - 1, layer.stride);
+  found.first_input = floor_of_ratio(shifted - last + layer.stride - 1, layer.stride);
   for (int i = found.first_input; shifted - i * layer.stride >= 0; ++i)
     found.taps.push_back(shifted - i * layer.stride);
   return found;
@@ -73,8 +73,8 @@ void convolve(const PackedConvolution& convolution, const CellView& source, cons
   const LayerKernels& kernels = layer_kernels();
   std::vector<float> patches;
   for (int row = output.rows.first; row <= output.rows.last; ++row)
-    for (int first = output.cols.first; first <= output.cols.last; first += strip_cells) {
-      const CellRange cols{first, std::min(first + strip_cells - 1, output.cols.last)};
+    for (int first = output.cols.first; first <= output.cols.last; first += patch_cells) {
+      const CellRange cols{first, std::min(first + patch_cells - 1, output.cols.last)};
       float* result = output.row(row) + static_cast<std::size_t>(first - output.cols.first) *
                                             static_cast<std::size_t>(output.cell_stride);
       ProductPlace place = place_in(output, result, static_cast<std::size_t>(cols.size()), 1);
@@ -93,7 +93,7 @@ void convolve(const PackedConvolution& convolution, const CellView& source, cons
 }
 
 void convolve_depthwise(const Layer& layer, const PlainLayer& made, const CellView& source, const Cells& output) {
-  assert(layer.kernel == depthwise_kernel && layer.stride <= 2);
+  assert(layer.kernel == depthwise_side && layer.stride <= 2);
   DepthwiseRow d;
   d.cells = static_cast<std::size_t>(output.cols.size());
   d.channels = output.cell_stride;
@@ -102,7 +102,7 @@ void convolve_depthwise(const Layer& layer, const PlainLayer& made, const CellVi
   d.bias = made.depthwise_bias.data();
   d.range = range_of(layer.activation);
   for (int row = output.rows.first; row <= output.rows.last; ++row) {
-    for (int k = 0; k < depthwise_kernel; ++k)
+    for (int k = 0; k < depthwise_side; ++k)
       d.rows[k] = source.at(row * layer.stride - layer.padding + k, output.cols.first * layer.stride - layer.padding);
     d.result = output.row(row);
     layer_kernels().depthwise(d);
@@ -118,8 +118,8 @@ void deconvolve(const Layer& layer, const PlainLayer& made, const CellView& sour
     for (int col = output.cols.first; col < output.cols.first + s && col <= output.cols.last; ++col) {
       const int row_position = position_in(row, s), col_position = position_in(col, s);
       const PackedConvolution& matrix = made.matrices[static_cast<std::size_t>(row_position * s + col_position)];
-      const int first_row = floor_div(row, s) + taps_at(layer, row_position).first_input,
-                first_col = floor_div(col, s) + taps_at(layer, col_position).first_input,
+      const int first_row = floor_of_ratio(row, s) + taps_at(layer, row_position).first_input,
+                first_col = floor_of_ratio(col, s) + taps_at(layer, col_position).first_input,
                 count = (output.cols.last - col) / s + 1;
       float* result = output.row(row) +
                       static_cast<std::size_t>(col - output.cols.first) * static_cast<std::size_t>(output.cell_stride);

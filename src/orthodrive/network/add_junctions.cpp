@@ -40,7 +40,7 @@ constexpr double inner_look_m = 8.0;  // over which an inner way of a joined jun
 
 constexpr double shortest_turn_m = 0.5;  // of a reference line that is moved to the inside of its bend
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
 /// A road end as a driver passes it, in driving direction.
 struct Gate {
@@ -119,7 +119,7 @@ std::vector<std::vector<InnerWay>> inner_ways(const NetworkPlan& plan, std::size
   std::vector<std::vector<InnerWay>> ways(junctions);
   for (const Stretch& stretch : plan.junctions.stretches)
     if (stretch.inside && stretch.vertex0 && stretch.vertex1)
-      ways[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(inner_way(plan, stretch));
+      ways[as_index(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(inner_way(plan, stretch));
   return ways;
 }
 
@@ -158,11 +158,11 @@ std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Re
   std::vector<Arrival> arrivals{start};
   for (const bool round : {false, true})
     for (std::size_t next = 0; next < arrivals.size(); ++next) {
-      const Arrival at = arrivals[next];
+      const Arrival as_index = arrivals[next];
       const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Vec2 into, Arrival there) {
-        if (!allowed || from != at.vertex || at.on == there.on) return;
-        if (restrictions.forbid(at.vertex, at.way, first_way)) return;
-        there.turned = at.turned || turns_round(at.direction, into);
+        if (!allowed || from != as_index.vertex || as_index.on == there.on) return;
+        if (restrictions.forbid(as_index.vertex, as_index.way, first_way)) return;
+        there.turned = as_index.turned || turns_round(as_index.direction, into);
         const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
         if (there.turned && !round) return;
         if (std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
@@ -242,10 +242,11 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions
       arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from]), in[from].pose.direction});
   for (std::size_t to = 0; to < ends.size(); ++to) {
     bool reached = false, turned = true;
-    for (const Arrival& at : arrivals) {
-      if (at.vertex != ends[to].vertex || restrictions.forbid(at.vertex, at.way, way_of(ends[to]))) continue;
+    for (const Arrival& as_index : arrivals) {
+      if (as_index.vertex != ends[to].vertex || restrictions.forbid(as_index.vertex, as_index.way, way_of(ends[to])))
+        continue;
       reached = true;
-      turned = turned && (at.turned || (at.on && turns_round(at.direction, out[to].pose.direction)));
+      turned = turned && (as_index.turned || (as_index.on && turns_round(as_index.direction, out[to].pose.direction)));
     }
     if (out[to].lanes.empty() || !reached) continue;
     // Back into the same road: only round a circuit, not round a block's inner drive.
@@ -265,7 +266,7 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions
   const int main_to = movements.front().to;
   const bool main_turned = movements.front().turned;
   const auto is_sharp = [&](const Movement& m) {
-    const bool back = leads_back(plan.junctions, ends[from], ends[at(m.to)]);
+    const bool back = leads_back(plan.junctions, ends[from], ends[as_index(m.to)]);
     return m.to != main_to &&
            ((m.turned && !main_turned) || std::abs(m.turn_rad) > (back ? max_turn_back_rad : max_turn_rad));
   };
@@ -294,7 +295,7 @@ void report_left_out(const NetworkPlan& plan, const std::vector<JunctionEnd>& en
                      const std::vector<Movement>& movements, const std::vector<Movement>& sharp, Findings& findings) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   for (const Movement& m : sharp) {
-    const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
+    const JunctionEnd &from = ends[as_index(m.from)], &to = ends[as_index(m.to)];
     const bool kept = std::ranges::any_of(
         movements, [&m](const Movement& other) { return other.from == m.from && other.to == m.to; });
     if (kept || m.turned || std::abs(m.turn_rad) > max_turn_rad) continue;
@@ -302,7 +303,7 @@ void report_left_out(const NetworkPlan& plan, const std::vector<JunctionEnd>& en
                         fmt::format("no turn of {:.0f} degrees from way {} into way {}, which leads back",
                                     std::abs(m.turn_rad) * degrees, plan.roads.paths[from.path].osm_id,
                                     plan.roads.paths[to.path].osm_id),
-                        in[at(m.from)].pose.p.x, in[at(m.from)].pose.p.y});
+                        in[as_index(m.from)].pose.p.x, in[as_index(m.from)].pose.p.y});
   }
 }
 
@@ -314,7 +315,9 @@ void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate
   for (std::size_t to = 0; to < ends.size(); ++to) {
     std::vector<bool> fed(out[to].lanes.size(), false);
     const Movement* main = nullptr;
-    const auto bend = [&](const Movement& m) { return ends[at(m.from)].through == m.to ? -1.0 : std::abs(m.turn_rad); };
+    const auto bend = [&](const Movement& m) {
+      return ends[as_index(m.from)].through == m.to ? -1.0 : std::abs(m.turn_rad);
+    };
     for (std::size_t i = 0; i < own; ++i) {
       const Movement& m = movements[i];
       if (m.to != static_cast<int>(to)) continue;
@@ -338,7 +341,7 @@ void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate
 std::vector<roadquery::Priority> priorities_of(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends,
                                                const std::vector<Movement>& movements, const std::vector<int>& roads) {
   const auto rank = [&](const Movement& m) {
-    const JunctionEnd& end = ends[at(m.from)];
+    const JunctionEnd& end = ends[as_index(m.from)];
     const Stretch& stretch = plan.junctions.stretches[end.stretch];
     const std::size_t k = piece_at(plan.geometry[stretch.chain], end.chain_s);
     const PieceIndex piece = plan.topology.chains[stretch.chain].pieces[k].piece;
@@ -505,7 +508,7 @@ int level_of(const Road& road) { return road.layer != 0 ? road.layer : road.brid
 /// tunnel) begins at the end of its own road, unless it goes on through the junction or much of it lies inside.
 int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends) {
   constexpr double most_inside_m = 6.0;
-  const auto level_at = [&](const JunctionEnd& end) { return level_of(map.roads[at(end.road)]); };
+  const auto level_at = [&](const JunctionEnd& end) { return level_of(map.roads[as_index(end.road)]); };
   int level = 0;
   bool is_beside_ground = false, goes_on_inside = false;
   for (const JunctionEnd& end : ends) {
@@ -517,7 +520,7 @@ int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::ve
     }
     const Stretch& stretch = plan.junctions.stretches[end.stretch];
     const double inside_m = end.at_begin ? end.chain_s - stretch.s0 : stretch.s1 - end.chain_s;
-    const bool goes_through = end.through >= 0 && level_at(ends[at(end.through)]) != 0;
+    const bool goes_through = end.through >= 0 && level_at(ends[as_index(end.through)]) != 0;
     goes_on_inside = goes_on_inside || goes_through || inside_m > most_inside_m;
   }
   return is_beside_ground && !goes_on_inside ? 0 : level;
@@ -525,8 +528,8 @@ int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::ve
 
 Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends,
                      const Movement& m, int level, Gate in, Gate out) {
-  const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
-  const Road &incoming = map.roads[at(from.road)], &outgoing = map.roads[at(to.road)];
+  const JunctionEnd &from = ends[as_index(m.from)], &to = ends[as_index(m.to)];
+  const Road &incoming = map.roads[as_index(from.road)], &outgoing = map.roads[as_index(to.road)];
   Road road;
   road.driving_side = plan.options.driving_side;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
@@ -569,7 +572,7 @@ void number_junctions_after_roads(RoadMap& map) {
 std::vector<std::vector<VertexIndex>> vertices_of_junctions(const NetworkPlan& plan, std::size_t junctions) {
   std::vector<std::vector<VertexIndex>> vertices(junctions);
   for (const VertexIndex v : plan.topology.vertices.indices())
-    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(v);
+    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[as_index(j)].push_back(v);
   return vertices;
 }
 
@@ -601,21 +604,21 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     std::vector<Gate> in, out;
     for (const JunctionEnd& end : ends[j]) {
       const RoadPath& path = plan.roads.paths[end.path];
-      in.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, true));
-      out.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, false));
+      in.push_back(gate_of(map.roads[as_index(end.road)], path, end.at_end, true));
+      out.push_back(gate_of(map.roads[as_index(end.road)], path, end.at_end, false));
     }
     std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
       std::vector<Movement> on = movements_from(plan, restrictions, inside[j], ends[j], in, out, from, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
-        const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
-        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)],
+        const std::size_t lanes = in[from].lanes.size(), lanes_on = out[as_index(on[0].to)].lanes.size();
+        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[as_index(on[i].to)],
                      plan.options.driving_side);
         movements.push_back(on[i]);
       }
     }
     for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
-      choose_lanes(m, false, 0, in[at(m.from)], out[at(m.to)], plan.options.driving_side);
+      choose_lanes(m, false, 0, in[as_index(m.from)], out[as_index(m.to)], plan.options.driving_side);
       movements.push_back(m);
     }
     report_left_out(plan, ends[j], in, movements, sharp, findings);
@@ -624,7 +627,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     std::vector<int> connecting;
     const int level = level_of_junction(plan, map, ends[j]);
     for (const Movement& m : movements) {
-      Road road = connecting_road(plan, map, ends[j], m, level, in[at(m.from)], out[at(m.to)]);
+      Road road = connecting_road(plan, map, ends[j], m, level, in[as_index(m.from)], out[as_index(m.to)]);
       road.id = static_cast<int>(map.roads.size()) + 1;
       road.junction = junction.id;
       roadquery::Connection connection{static_cast<int>(junction.connections.size()), road.predecessor.id, road.id,
@@ -634,13 +637,13 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
         if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
       junction.connections.push_back(std::move(connection));
       connecting.push_back(road.id);
-      if (m.to == ends[j][at(m.from)].through) parts.straight.push_back(road.id);
+      if (m.to == ends[j][as_index(m.from)].through) parts.straight.push_back(road.id);
       map.roads.push_back(std::move(road));
     }
     junction.priorities = priorities_of(plan, ends[j], movements, connecting);
     if (junction.connections.empty()) continue;
     for (const JunctionEnd& end : ends[j]) {
-      Road& road = map.roads[at(end.road)];
+      Road& road = map.roads[as_index(end.road)];
       (end.at_end ? road.successor : road.predecessor) = {LinkKind::junction, junction.id};
     }
     map.junctions.push_back(std::move(junction));
@@ -648,7 +651,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
   number_junctions_after_roads(map);
   const std::vector<std::vector<VertexIndex>> vertices = vertices_of_junctions(plan, ends.size());
   for (const roadquery::Junction& junction : map.junctions) {
-    const std::vector<VertexIndex>& here = vertices[at(junction.id - map.roads.back().id - 1)];
+    const std::vector<VertexIndex>& here = vertices[as_index(junction.id - map.roads.back().id - 1)];
     if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) parts.kerb_radius_m[junction.id] = radius;
   }
   return parts;

@@ -22,7 +22,7 @@ using roadquery::RoadMap;
 
 constexpr double kmh_per_mps = 3.6;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
 
 /// In multiples of a centimetre: nobody measures more, and lanes that keep their width are written as such.
 std::vector<ProfileSample> widths_between(const ChainGeometry& geometry, std::size_t piece, double s0, double s1) {
@@ -102,7 +102,7 @@ struct RoadEnd {
 };
 
 void set_link(RoadMap& map, RoadEnd end, RoadLink link) {
-  Road& road = map.roads[at(end.road)];
+  Road& road = map.roads[index_of(end.road)];
   (end.at_end ? road.successor : road.predecessor) = link;
 }
 
@@ -173,7 +173,7 @@ void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, b
     (a_at_end ? from.successor : from.predecessor) = to.id;
     (b_at_end ? to.successor : to.predecessor) = from.id;
   };
-  for (int i = 0; i < open_a.count; ++i) link(lanes_a[at(open_a.first + i)], lanes_b[at(open_b.first + i)]);
+  for (int i = 0; i < open_a.count; ++i) link(lanes_a[index_of(open_a.first + i)], lanes_b[index_of(open_b.first + i)]);
   for (Lane& from : lanes_a)
     for (Lane& to : lanes_b)
       if (goes_on(from, a, a_at_end, to, b, b_at_end)) link(from, to);
@@ -181,15 +181,15 @@ void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, b
 
 void link_roads(RoadMap& map, RoadEnd a, const Draft& draft_a, RoadEnd b, const Draft& draft_b) {
   const auto contact = [](RoadEnd e) { return e.at_end ? ContactPoint::end : ContactPoint::start; };
-  set_link(map, a, {LinkKind::road, map.roads[at(b.road)].id, contact(b)});
-  set_link(map, b, {LinkKind::road, map.roads[at(a.road)].id, contact(a)});
+  set_link(map, a, {LinkKind::road, map.roads[index_of(b.road)].id, contact(b)});
+  set_link(map, b, {LinkKind::road, map.roads[index_of(a.road)].id, contact(a)});
   if (!(a.at_end ? draft_a.end : draft_a.start)) return;
   const RoadEndLanes &open_a = a.at_end ? *draft_a.end : *draft_a.start,
                      &open_b = b.at_end ? *draft_b.end : *draft_b.start;
   for (const bool a_left : {true, false}) {
     const bool b_left = a_left == (a.at_end != b.at_end);
-    link_side(map.roads[at(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right, map.roads[at(b.road)],
-              b.at_end, b_left, b_left ? open_b.left : open_b.right);
+    link_side(map.roads[index_of(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right,
+              map.roads[index_of(b.road)], b.at_end, b_left, b_left ? open_b.left : open_b.right);
   }
 }
 
@@ -203,7 +203,7 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
   for (std::size_t k = 0; k < drafts.size(); ++k) {
     const Draft& draft = drafts[k];
     const RoadPath& path = path_of(plan, draft);
-    Road& road = map.roads[at(first_road) + k];
+    Road& road = map.roads[index_of(first_road) + k];
     add_lanes(road, draft.layout, draft.widths,
               {plan.options.width_tolerance_m, path.sidewalk, draft.rests, draft.start, draft.end, draft.start_rests,
                draft.end_rests});
@@ -243,7 +243,7 @@ StretchRoads add_stretch(const NetworkPlan& plan, const Stretch& stretch, const 
 /// The ends at every junction, and between which of them a chain runs on.
 class JunctionEnds {
  public:
-  explicit JunctionEnds(const NetworkPlan& plan) : plan_(plan), ends_(at(plan.junctions.junctions)) {}
+  explicit JunctionEnds(const NetworkPlan& plan) : plan_(plan), ends_(index_of(plan.junctions.junctions)) {}
 
   /// Stretches in order, each with its roads.
   void add(std::size_t index, const std::vector<double>& cuts, const StretchRoads& roads) {
@@ -280,13 +280,13 @@ class JunctionEnds {
   }
   EndInJunction add_end(const JunctionEnd& end) {
     const int junction = plan_.junctions.junction_of_vertex[end.vertex];
-    ends_[at(junction)].push_back(end);
-    return {junction, static_cast<int>(ends_[at(junction)].size()) - 1};
+    ends_[index_of(junction)].push_back(end);
+    return {junction, static_cast<int>(ends_[index_of(junction)].size()) - 1};
   }
   void connect(EndInJunction a, EndInJunction b) {
-    std::vector<JunctionEnd>& junction = ends_[at(b.junction)];
-    junction[at(a.end)].through = b.end;
-    junction[at(b.end)].through = a.end;
+    std::vector<JunctionEnd>& junction = ends_[index_of(b.junction)];
+    junction[index_of(a.end)].through = b.end;
+    junction[index_of(b.end)].through = a.end;
   }
 
   const NetworkPlan& plan_;

@@ -13,9 +13,9 @@
 namespace orthodrive::network {
 namespace {
 
-double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrapped_turn(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
+Vec2 heading_vector(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 constexpr int max_unknowns = 20;
 constexpr int max_iterations = 16;
@@ -214,7 +214,8 @@ void ClothoidChain::Window::clear_equations() {
     for (int k = 0; k <= i; ++k) h[i][k] = 0.0;
   }
   by_u = {}, turn_by_u = {};
-  if (u_shift >= 0) by_u[at(u_shift)] = left_normal(unit(knot[0].heading_rad)), turn_by_u[at(u_heading)] = 1.0;
+  if (u_shift >= 0)
+    by_u[at(u_shift)] = left_normal(heading_vector(knot[0].heading_rad)), turn_by_u[at(u_heading)] = 1.0;
 }
 
 /// What node j, seen across the tangent `t`, adds to the normal equations.
@@ -256,7 +257,7 @@ void ClothoidChain::Window::set_conditions(Vec2 last_node, Vec2 t, bool derive) 
       for (int i = 0; i < unknowns; ++i) c[0][i] = dot(t, by_u[at(i)]);
   } else {
     rest[0] = target.p.x - end.p.x, rest[1] = target.p.y - end.p.y;
-    rest[2] = wrap_angle(target.heading_rad - end.heading_rad);
+    rest[2] = wrapped_turn(target.heading_rad - end.heading_rad);
     if (derive)
       for (int i = 0; i < unknowns; ++i) c[0][i] = by_u[at(i)].x, c[1][i] = by_u[at(i)].y, c[2][i] = turn_by_u[at(i)];
   }
@@ -266,7 +267,7 @@ void ClothoidChain::Window::set_conditions(Vec2 last_node, Vec2 t, bool derive) 
 void ClothoidChain::evaluate(Window& w, bool derive) {
   if (derive) w.clear_equations();
   if (w.free_start) {  // the line begins beside the first node
-    const Vec2 along = unit(w.knot[0].heading_rad);
+    const Vec2 along = heading_vector(w.knot[0].heading_rad);
     w.knot[0].p = w.knot[0].p + along * dot(along, nodes_.front() - w.knot[0].p);
   }
   std::size_t j = 0;
@@ -281,7 +282,7 @@ void ClothoidChain::evaluate(Window& w, bool derive) {
     for (; j < w.nodes && (w.s[j] < begin + l || last); ++j) {
       walk.to(std::clamp(w.s[j] - begin, walk.ds, l));
       const double k = walk.k0 + walk.rate * walk.ds;
-      t = unit(walk.heading_at(walk.ds));
+      t = heading_vector(walk.heading_at(walk.ds));
       const Vec2 q = nodes_[wrapped(w.first_node + j)] - (knot.p + walk.sum.m0);
       const double along = dot(t, q), across = cross(t, q), slack = std::max(1.0 - k * across, 0.3);
       // To the foot: a Newton step, and what the line bends away on the way.
@@ -292,7 +293,7 @@ void ClothoidChain::evaluate(Window& w, bool derive) {
     }
     walk.to(l);
     const double heading = walk.heading_at(l);
-    t = unit(heading);
+    t = heading_vector(heading);
     if (derive) w.pass_element(p, walk, t);
     w.knot[at(p) + 1].p = knot.p + walk.sum.m0, w.knot[at(p) + 1].heading_rad = heading;
     begin += l;
@@ -350,7 +351,7 @@ bool ClothoidChain::Window::step(bool only_close) {
   for (int i = 0; i <= elements; ++i)
     if (u_curvature[at(i)] >= 0) knot[at(i)].curvature += scale * x[u_curvature[at(i)]];
   if (u_shift >= 0) {
-    knot[0].p = knot[0].p + left_normal(unit(knot[0].heading_rad)) * (scale * x[u_shift]);
+    knot[0].p = knot[0].p + left_normal(heading_vector(knot[0].heading_rad)) * (scale * x[u_shift]);
     knot[0].heading_rad += scale * x[u_heading];
   }
   return true;

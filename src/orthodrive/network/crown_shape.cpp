@@ -14,7 +14,7 @@ namespace {
 
 using roadquery::Cubic;
 
-constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
+constexpr double crown_reach_m = 30.0;  // to the right; wider than any road. The left half has no end
 constexpr double fall_unit = 1e-5;
 constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-2;
 constexpr double crown_share = 0.4, banking_share = 0.35, elevation_share = 0.25;  // of the tolerance of heights
@@ -134,7 +134,7 @@ std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, doub
   std::vector<roadquery::ShapeCubic> shape;
   const double first = options.halves == RoadHalves::left ? -1.0 : 1.0;  // slope of the first entry by the fall
   for (const Station& at : kept) {
-    shape.push_back({at.s, -reach_m, -reach_m * first * at.fall, first * at.fall, 0.0, 0.0});
+    shape.push_back({at.s, -crown_reach_m, -crown_reach_m * first * at.fall, first * at.fall, 0.0, 0.0});
     if (options.halves == RoadHalves::both) shape.push_back({at.s, 0.0, 0.0, -at.fall, 0.0, 0.0});
   }
   return shape;

@@ -12,7 +12,7 @@ namespace {
 
 using roadquery::Cubic;
 
-constexpr double fade_m = 20.0, longest_fade_m = 50.0, shortest_fade_m = 2.0;
+constexpr double arm_fade_m = 20.0, longest_fade_m = 50.0, shortest_fade_m = 2.0;
 constexpr double gradient_break = 0.02, banking_break = 0.01;
 constexpr double longest_corner_m = 8.0;  // from the edge of the main road to the cut
 constexpr double same_level_m = 1.5;
@@ -166,7 +166,7 @@ double fade_of(const Change& change) {
 
 /// What of a change may fade out over a length that there is.
 Change within(const Change& change, double fade) {
-  const double slow = fade < fade_m ? walking_pace : 1.0;
+  const double slow = fade < arm_fade_m ? walking_pace : 1.0;
   return {limited(change.z, height_per_m * fade), limited(change.gradient, gradient_per_m * fade),
           limited(change.banking, slow * banking_per_m * fade), limited(change.crown, slow * banking_per_m * fade)};
 }
@@ -270,7 +270,7 @@ void ease_arms(const RoadNetwork& roads, const Topology& topology, const Junctio
     EasedEnds ends{{begin, begin, {}}, {end, end, {}}};
     const auto ease = [&](Eased& at, bool at_s1, const std::optional<Change>& wanted) {
       if (!wanted || room < shortest_fade_m) return;
-      const double fade = std::min(room, std::clamp(fade_of(*wanted), fade_m, longest_fade_m));
+      const double fade = std::min(room, std::clamp(fade_of(*wanted), arm_fade_m, longest_fade_m));
       at = {at.cut, at.cut + (at_s1 ? -fade : fade), within(*wanted, fade)};
     };
     ease(ends.begin, false, at_begin), ease(ends.end, true, at_end);

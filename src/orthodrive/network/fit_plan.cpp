@@ -34,7 +34,7 @@ constexpr double first_turn_rad = 0.3;
 constexpr double first_min_spacing_m = 0.6;
 constexpr int max_start_rounds = 8;  // each puts knots in where the line is still too far from its nodes
 
-double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrapped_heading(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
@@ -198,7 +198,7 @@ PlanElement element_of(const ClothoidChain::Element& element, double s, Vec2 ori
   PlanElement e{.s = s,
                 .x = element.start.p.x + origin.x,
                 .y = element.start.p.y + origin.y,
-                .hdg = wrap_angle(element.start.heading_rad),
+                .hdg = wrapped_heading(element.start.heading_rad),
                 .length = element.length_m};
   if (element.kind == ElementKind::arc) e.shape = Arc{element.start.curvature};
   if (element.kind == ElementKind::clothoid)
@@ -298,7 +298,7 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
       part = cubic_part(e, u, v);
     } else {
       const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
-      part = {0.0, q.x, q.y, wrap_angle(q.hdg), 0.0, e.shape};
+      part = {0.0, q.x, q.y, wrapped_heading(q.hdg), 0.0, e.shape};
       if (const Spiral* spiral = std::get_if<Spiral>(&e.shape)) {  // weighted means: exact at both ends
         const auto [k0, k1] = *spiral;
         part.shape = shape_of(k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v, b - a);
@@ -319,7 +319,7 @@ std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
       e = cubic_part(*it, 1.0, 0.0);
     } else {
       const roadquery::PlanPoint q = roadquery::evaluate(*it, it->length);
-      e = {0.0, q.x, q.y, wrap_angle(q.hdg + std::numbers::pi), it->length, it->shape};
+      e = {0.0, q.x, q.y, wrapped_heading(q.hdg + std::numbers::pi), it->length, it->shape};
       if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
       if (Spiral* spiral = std::get_if<Spiral>(&e.shape)) *spiral = {-spiral->curvature_end, -spiral->curvature_start};
     }

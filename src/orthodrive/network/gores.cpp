@@ -20,17 +20,17 @@ using roadquery::LaneType;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-constexpr double step_m = 1.0, corner_step_m = 4.0;
-constexpr double side_by_side_cos = 0.866, apart_at_junction_m = 1.5;
+constexpr double gore_step_m = 1.0, corner_step_m = 4.0;
+constexpr double gore_side_cos = 0.866, apart_at_junction_m = 1.5;
 constexpr double least_mark_m = 0.3;  // narrower parts are paved only
-constexpr double least_width_m = 0.8, least_length_m = 6.0, same_height_m = 0.3;
-constexpr double flush_m = 0.02;    // higher steps between both surfaces are left to a bank
-constexpr double nose_m = 3.0;      // over which the lanes end
-constexpr double opening = 0.5;     // m a metre, where the edges part at once
-constexpr double nearest_m = 30.0;  // between the ends of both roads
+constexpr double least_gore_width_m = 0.8, least_length_m = 6.0, same_gore_height_m = 0.3;
+constexpr double flush_gore_m = 0.02;  // higher steps between both surfaces are left to a bank
+constexpr double nose_m = 3.0;         // over which the lanes end
+constexpr double opening = 0.5;        // m a metre, where the edges part at once
+constexpr double nearest_m = 30.0;     // between the ends of both roads
 
 /// One of the two roads, seen from the junction outwards.
-struct Arm {
+struct GoreArm {
   std::size_t road = 0;
   bool at_end = false;  ///< the road's end touches the junction
   bool left = false;    ///< the side of the road that faces the other one
@@ -38,7 +38,7 @@ struct Arm {
   [[nodiscard]] double s_at(const Road& of, double out_m) const { return at_end ? of.length - out_m : out_m; }
 };
 
-roadquery::PlanPoint outwards(const Road& road, const Arm& arm, double out_m) {
+roadquery::PlanPoint outwards(const Road& road, const GoreArm& arm, double out_m) {
   roadquery::PlanPoint p = roadquery::reference_point(road, arm.s_at(road, out_m));
   if (arm.at_end) p.hdg += std::numbers::pi;
   return p;
@@ -51,22 +51,22 @@ double edge_t(const Road& road, bool left, double s) {
 
 /// Between both facing edges.
 struct Gap {
-  double width_m = 0.0;  ///< negative where the roads lie on each other
-  double step_m = 0.0;   ///< at the other road's edge between its surface and the own one, carried on
-  [[nodiscard]] bool is_flush() const { return step_m < flush_m; }
+  double width_m = 0.0;      ///< negative where the roads lie on each other
+  double gore_step_m = 0.0;  ///< at the other road's edge between its surface and the own one, carried on
+  [[nodiscard]] bool is_flush() const { return gore_step_m < flush_gore_m; }
   /// How much of it the own road paves: all of it, or as much as leaves a bank.
   [[nodiscard]] double paved_m() const {
-    return is_flush() ? std::max(0.0, width_m) : std::max(0.0, 0.5 * width_m - step_m);
+    return is_flush() ? std::max(0.0, width_m) : std::max(0.0, 0.5 * width_m - gore_step_m);
   }
 };
 
 /// At places step_m apart from the junction outwards, as long as both roads are there at one height. Where the other
 /// road ends on the way, the last ones are left out: lanes have ended before.
-std::vector<Gap> gaps_of(const Road& own, const Arm& own_arm, const Road& other, const Arm& other_arm) {
+std::vector<Gap> gaps_of(const Road& own, const GoreArm& own_arm, const Road& other, const GoreArm& other_arm) {
   std::vector<Gap> gaps;
   double other_s = other_arm.s_at(other, 0.0);
   const double most_m = std::min(own.length, longest_gore_m + nose_m);
-  for (double out_m = 0.0; out_m <= most_m; out_m += step_m) {
+  for (double out_m = 0.0; out_m <= most_m; out_m += gore_step_m) {
     const double s = own_arm.s_at(own, out_m);
     const auto edge = roadquery::surface_point(own, s, edge_t(own, own_arm.left, s));
     roadquery::PlanPoint foot;
@@ -79,16 +79,16 @@ std::vector<Gap> gaps_of(const Road& own, const Arm& own_arm, const Road& other,
       if (std::abs(next - other_s) < 1e-4) break;
       other_s = next;
     }
-    if (beyond_m > step_m) {
+    if (beyond_m > gore_step_m) {
       if (gaps.empty()) continue;  // the other road begins further out
-      gaps.resize(gaps.size() - std::min(gaps.size(), static_cast<std::size_t>(nose_m / step_m)));
+      gaps.resize(gaps.size() - std::min(gaps.size(), static_cast<std::size_t>(nose_m / gore_step_m)));
       break;
     }
     const double left_m = std::cos(foot.hdg) * (edge.y - foot.y) - std::sin(foot.hdg) * (edge.x - foot.x);
     const double other_t = edge_t(other, other_arm.left, other_s);
     const double other_z = roadquery::surface_height(other, other_s, other_t);
-    if (std::abs(other_z - edge.z) > same_height_m) break;
-    while (static_cast<double>(gaps.size()) * step_m < out_m - 0.5 * step_m) gaps.push_back({-1.0, 0.0});
+    if (std::abs(other_z - edge.z) > same_gore_height_m) break;
+    while (static_cast<double>(gaps.size()) * gore_step_m < out_m - 0.5 * gore_step_m) gaps.push_back({-1.0, 0.0});
     const double width_m = other_arm.left ? left_m - other_t : other_t - left_m;
     const double beyond_t = edge_t(own, own_arm.left, s) + (own_arm.left ? width_m : -width_m);
     gaps.push_back({width_m, std::abs(other_z - roadquery::surface_height(own, s, beyond_t))});
@@ -106,11 +106,11 @@ std::optional<Extent> extent_of(const std::vector<Gap>& gaps) {
   if (gaps.empty() || gaps.front().width_m > apart_at_junction_m) return std::nullopt;
   std::size_t last = 0;
   while (last + 1 < gaps.size() && gaps[last + 1].width_m <= widest_gore_m &&
-         static_cast<double>(last + 1) * step_m <= longest_gore_m)
+         static_cast<double>(last + 1) * gore_step_m <= longest_gore_m)
     ++last;
   std::size_t first = last;
   while (first > 0 && gaps[first - 1].width_m > 0.0) --first;
-  if (gaps[last].width_m < least_width_m || static_cast<double>(last - first) * step_m < least_length_m)
+  if (gaps[last].width_m < least_gore_width_m || static_cast<double>(last - first) * gore_step_m < least_length_m)
     return std::nullopt;
   return Extent{first, last};
 }
@@ -125,7 +125,7 @@ bool has_sidewalk(const Road& road, bool left) {
 }
 
 /// Widths of a road's gore lane at places step_m apart.
-using LaneWidths = std::map<std::pair<std::size_t, bool>, std::vector<double>>;  ///< by road and side
+using WidthsBySide = std::map<std::pair<std::size_t, bool>, std::vector<double>>;  ///< by road and side
 
 class GoreBuilder {
  public:
@@ -163,10 +163,10 @@ class GoreBuilder {
 
   void add_between(const JunctionEnd& main_end, const JunctionEnd& slip_end) {
     const Road &main = road_of(main_end), &slip = road_of(slip_end);
-    Arm main_arm{static_cast<std::size_t>(main_end.road), main_end.at_end, false},
+    GoreArm main_arm{static_cast<std::size_t>(main_end.road), main_end.at_end, false},
         slip_arm{static_cast<std::size_t>(slip_end.road), slip_end.at_end, false};
     const auto p = outwards(main, main_arm, 0.0), q = outwards(slip, slip_arm, 0.0);
-    if (std::cos(p.hdg - q.hdg) < side_by_side_cos || std::hypot(q.x - p.x, q.y - p.y) > nearest_m) return;
+    if (std::cos(p.hdg - q.hdg) < gore_side_cos || std::hypot(q.x - p.x, q.y - p.y) > nearest_m) return;
     // Seen outwards the slip road lies on that side of the main road, where it goes.
     const auto far = outwards(slip, slip_arm, std::min(slip.length, 20.0));
     const bool is_left = std::cos(p.hdg) * (far.y - p.y) - std::sin(p.hdg) * (far.x - p.x) > 0.0;
@@ -182,16 +182,16 @@ class GoreBuilder {
     add_mark(slip, slip_arm, beside_slip, *extent);
   }
 
-  void add_widths(const Road& road, const Arm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
+  void add_widths(const Road& road, const GoreArm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
     std::vector<double>& widths = widths_[{arm.road, arm.left}];
-    const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(road.length / gore_step_m)));
     widths.resize(static_cast<std::size_t>(steps) + 1, 0.0);
-    const double first_m = static_cast<double>(extent.first) * step_m,
-                 last_m = static_cast<double>(extent.last) * step_m;
+    const double first_m = static_cast<double>(extent.first) * gore_step_m,
+                 last_m = static_cast<double>(extent.last) * gore_step_m;
     for (int i = 0; i <= steps; ++i) {
       const double s = road.length * i / steps, out_m = arm.at_end ? road.length - s : s;
       if (out_m < first_m || out_m > last_m + nose_m) continue;
-      const double at = std::min(out_m, last_m) / step_m;
+      const double at = std::min(out_m, last_m) / gore_step_m;
       const auto k = std::min(static_cast<std::size_t>(at), gaps.size() - 2);
       const double share = at - static_cast<double>(k);
       const Gap gap{gaps[k].width_m + share * (gaps[k + 1].width_m - gaps[k].width_m),
@@ -203,9 +203,9 @@ class GoreBuilder {
     }
   }
 
-  void add_mark(const Road& of, const Arm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
+  void add_mark(const Road& of, const GoreArm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
     std::vector<std::size_t> places;
-    const auto every = static_cast<std::size_t>(corner_step_m / step_m);
+    const auto every = static_cast<std::size_t>(corner_step_m / gore_step_m);
     std::size_t first = extent.first;
     while (first < extent.last && gaps[first].width_m < least_mark_m) ++first;
     for (std::size_t i = first; i < extent.last; i += every) places.push_back(i);
@@ -213,7 +213,7 @@ class GoreBuilder {
     roadquery::RoadObject mark{.type = "roadMark", .subtype = "hatchedArea", .name = gore_mark};
     double low_s = of.length, high_s = 0.0, low_t = 1e9, high_t = -1e9;
     const auto add_corner = [&](std::size_t i, double off_m) {
-      const double s = arm.s_at(of, static_cast<double>(i) * step_m);
+      const double s = arm.s_at(of, static_cast<double>(i) * gore_step_m);
       const double t = edge_t(of, arm.left, s) + (arm.left ? off_m : -off_m);
       low_s = std::min(low_s, s), high_s = std::max(high_s, s), low_t = std::min(low_t, t),
       high_t = std::max(high_t, t);
@@ -249,7 +249,7 @@ class GoreBuilder {
 
   const NetworkPlan& plan_;
   RoadMap& map_;
-  LaneWidths widths_;
+  WidthsBySide widths_;
   std::map<std::size_t, std::vector<roadquery::RoadObject>> marks_;  ///< by road
 };
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double grid_m = 1e-3;
 constexpr double join_m = 1e-4;  // pieces that grow by so little join, several times as fast as by a union
-constexpr double overlap_m = 0.015, simplify_m = 0.005;  // the first holds the second and the millimetres of files
-constexpr double sliver_m = 0.05;                        // tips of corners narrower than twice this are left out
-constexpr double other_width_m = 15.0;                   // half the width of other roads, at most
+constexpr double area_overlap_m = 0.015, simplify_m = 0.005;  // the first holds the second and the millimetres of files
+constexpr double sliver_m = 0.05;                             // tips of corners narrower than twice this are left out
+constexpr double other_width_m = 15.0;                        // half the width of other roads, at most
 constexpr double side_by_side_m = 15.0, side_by_side_cos = 0.77;  // arms so near to each other, 40 degrees apart
 constexpr double turned_round_m = 4.0;  // radius of the end of a gore: a car turns in and out while it goes round
 // Of a quarter circle: chords of kerbs within 1.5 cm of their arcs; what only bounds or rounds needs no more than a
@@ -134,7 +134,7 @@ MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& conn
     corners = buffer_of(corners, join_m, 1);
   }
   corners = buffer_of(buffer_of(corners, -sliver_m, tip_arc_steps), sliver_m, tip_arc_steps);
-  const MultiPolygon reach = buffer_of(connecting, 2.0 * overlap_m, tip_arc_steps);
+  const MultiPolygon reach = buffer_of(connecting, 2.0 * area_overlap_m, tip_arc_steps);
   std::erase_if(corners, [&](const Polygon& part) { return !touches(part, reach); });
   return corners;
 }
@@ -153,7 +153,7 @@ MultiPolygon closed_gaps(const JunctionRoads& roads, const MultiPolygon& area, V
       gaps.push_back({std::move(hole), {}});
     }
   if (gaps.empty()) return {};
-  const MultiPolygon reach = buffer_of(area, 2.0 * overlap_m, tip_arc_steps);
+  const MultiPolygon reach = buffer_of(area, 2.0 * area_overlap_m, tip_arc_steps);
   std::erase_if(gaps, [&](const Polygon& gap) { return !touches(gap, reach); });
   const std::vector<Polygon> others =
       pieces_of(roads.others, origin, true, bounds_of(area.front().outer).grown(other_width_m));
@@ -195,10 +195,10 @@ MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec
   if (connecting.empty()) return {};
   MultiPolygon area = filled_corners(roads, connecting, kerb_radius_m, origin);
   area.insert(area.end(), connecting.begin(), connecting.end());
-  area = buffer_of(area, overlap_m, 2);
+  area = buffer_of(area, area_overlap_m, 2);
   if (const MultiPolygon gaps = closed_gaps(roads, area, origin); !gaps.empty()) {
     area.insert(area.end(), gaps.begin(), gaps.end());
-    area = buffer_of(area, overlap_m, 2);
+    area = buffer_of(area, area_overlap_m, 2);
   }
   for (Polygon& part : area)
     std::erase_if(part.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < largest_gap_m2; });

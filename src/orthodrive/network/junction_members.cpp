@@ -18,8 +18,8 @@ using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-constexpr double near_level_m = 2.5;  // other roads nearer in height share the ground
-constexpr double reach_m = 12.0;      // the largest kerb radius
+constexpr double near_level_m = 2.5;   // other roads nearer in height share the ground
+constexpr double kerb_reach_m = 12.0;  // the largest kerb radius
 constexpr double boundary_step_m = 1.0, height_step_m = 2.0;
 
 Box2 box_of(const Road& road) { return RoadCover(road, {}, 0.0, road.length).bounds(); }
@@ -88,7 +88,7 @@ void find_others(const RoadMap& map, std::vector<JunctionMembers>& members, int 
              std::max(box.max_x, boxes[i].max_x), std::max(box.max_y, boxes[i].max_y)};
       z += middle_height(map.roads[i]) / static_cast<double>(m.connecting.size());
     }
-    for (const std::size_t i : index.touching(box.grown(reach_m))) {
+    for (const std::size_t i : index.touching(box.grown(kerb_reach_m))) {
       const Road& road = map.roads[i];
       const std::array heights{middle_height(road), roadquery::elevation(road, 0.0),
                                roadquery::elevation(road, road.length)};

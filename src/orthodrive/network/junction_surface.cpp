@@ -26,13 +26,13 @@ using roadquery::RoadMap;
 
 constexpr double fine_m = 0.5;            // of the grid that is solved
 constexpr double wide_m = 50.0;           // wider junctions are solved at twice that
-constexpr double margin_m = 2.5;          // of the grid around the area: two nodes of 1 m
+constexpr double grid_margin_m = 2.5;     // of the grid around the area: two nodes of 1 m
 constexpr double coarse_error_m = 0.005;  // of a coarser grid from the one that was solved
 constexpr double same_height_m = 0.01;    // ways straight on that differ by more where they cross: one gives way
 constexpr double same_ground_m = 0.5;  // roads beside the junction further off in height lie on a ground of their own
 constexpr int solved_beyond = 2, kept_beyond = 1;  // nodes beyond those that places inside the boundary need
 constexpr double unchanged_m = 0.005;              // ways straight on that lie so near to the surface stay as they are
-constexpr double millimetre = 1e-3, height_step_m = 1e-4;
+constexpr double millimetre = 1e-3, height_unit_of_files_m = 1e-4;
 
 double rounded(double v, double step) { return std::round(v / step) * step; }
 
@@ -64,9 +64,9 @@ FieldGrid grid_over(const std::vector<Ring>& boundaries) {
            std::max(box.max_y, b.max_y)};
     size_m = std::max({size_m, b.width(), b.height()});
   }
-  box = box.grown(margin_m);
+  box = box.grown(grid_margin_m);
   FieldGrid grid;
-  grid.spacing_m = size_m + 2.0 * margin_m > wide_m ? 2.0 * fine_m : fine_m;
+  grid.spacing_m = size_m + 2.0 * grid_margin_m > wide_m ? 2.0 * fine_m : fine_m;
   grid.origin = {std::floor(box.min_x / millimetre) * millimetre, std::floor(box.min_y / millimetre) * millimetre};
   const auto nodes = [&](double size) { return 4 * static_cast<int>(std::ceil(size / (4.0 * grid.spacing_m))) + 1; };
   grid.columns = nodes(box.width()), grid.rows = nodes(box.height());
@@ -155,7 +155,7 @@ FieldRoad under_connecting_roads(const FieldRoad& beside, const std::vector<Fiel
 std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& members, const std::vector<int>& straight,
                                    const FieldGrid& grid, const std::vector<char>& asked, Vec2 origin) {
   std::vector<FieldRoad> roads;
-  constexpr double reach_m = arm_reach_m + 2.0 * margin_m;  // nodes beyond the end of the area are asked for, too
+  constexpr double reach_m = arm_reach_m + 2.0 * grid_margin_m;  // nodes beyond the end of the area are asked for, too
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
     const Road& road = map.roads[members.arms[k]];
     const double reach = std::min(reach_m, road.length), s0 = members.at_end[k] ? road.length - reach : 0.0;
@@ -213,7 +213,7 @@ std::size_t node_of(int columns, int column, int row) {
 
 /// The part of the group's surface that the boundary needs, from a node on that all coarser grids have.
 JunctionSurface part_of(const FieldGrid& grid, const std::vector<double>& z, const Group& group, std::size_t member) {
-  const Box2 box = bounds_of(group.boundaries[member]).grown(margin_m);
+  const Box2 box = bounds_of(group.boundaries[member]).grown(grid_margin_m);
   const auto first = [&](double from, double origin) {
     return 4 * std::max(0, static_cast<int>(std::floor((from - origin) / (4.0 * grid.spacing_m))));
   };
@@ -296,7 +296,7 @@ void predict_the_rest(JunctionSurface& surface, const std::vector<char>& needed)
                        : c > 0        ? west
                        : r > 0        ? south
                                       : surface.z[i];
-      surface.z[i] = rounded(z, height_step_m);
+      surface.z[i] = rounded(z, height_unit_of_files_m);
     }
 }
 
@@ -337,7 +337,7 @@ std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<Junction
   const std::vector<FieldRoad> roads = field_roads(map, all, straight, grid, asked, group.origin);
   std::vector<double> z = bend_least(grid, field_targets(grid, roads, entries_of(map, all, group.origin)), asked);
   extend(grid, asked, z);
-  for (double& height : z) height = rounded(height, height_step_m);
+  for (double& height : z) height = rounded(height, height_unit_of_files_m);
   const double disagreement = disagreement_m(grid, roads);
   std::vector<JunctionSurface> parts;
   for (std::size_t k = 0; k < group.junctions.size(); ++k) parts.push_back(part_of(grid, z, group, k));

@@ -15,7 +15,7 @@ using roadquery::Road;
 
 constexpr double gap_m = 4.0, repeat_m = 25.0;
 constexpr double arrow_m = 5.0, fast_arrow_m = 7.5, fast_mps = 70.0 / 3.6, arrow_width_m = 1.2;
-constexpr double min_lane_m = 2.0;
+constexpr double min_arrow_lane_m = 2.0;
 
 /// Nullptr for lanes that show nothing, or that end.
 const char* subtype_of(unsigned bits) {
@@ -70,7 +70,7 @@ void add_arrows(Road& road, bool at_end, const std::vector<unsigned>& shown) {
         if (lane.id == ids[i]) break;
       }
       const char* subtype = subtype_of(shown[i]);
-      if (subtype == nullptr || width < min_lane_m) continue;
+      if (subtype == nullptr || width < min_arrow_lane_m) continue;
       road.objects.push_back({.type = "roadMark",
                               .subtype = subtype,
                               .s = s,

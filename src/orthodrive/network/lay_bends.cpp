@@ -11,13 +11,13 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double moved_m = 0.05;
-constexpr double beside_m = 4.0;  // so far beside the bend the carriageway counts for its plane
-constexpr double fade_m = 30.0;   // as where ends meet: chain_line.cpp
+constexpr double beside_m = 4.0;      // so far beside the bend the carriageway counts for its plane
+constexpr double bend_fade_m = 30.0;  // as where ends meet: chain_line.cpp
 
 /// A line of nodes; closed ones go on after their last node.
-class Ring {
+class BendRing {
  public:
-  Ring(const std::vector<ChainLineNode>& nodes, bool closed)
+  BendRing(const std::vector<ChainLineNode>& nodes, bool closed)
       : nodes_(nodes), closed_(closed), count_(closed ? nodes.size() - 1 : nodes.size()) {}
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] bool has(std::ptrdiff_t i) const {
@@ -51,7 +51,7 @@ class Ring {
 };
 
 /// z = z0 + slope (p - origin)
-struct Plane {
+struct BendPlane {
   Vec2 origin, slope;
   double z0 = 0.0;
   [[nodiscard]] double at(Vec2 p) const { return z0 + dot(slope, p - origin); }
@@ -66,13 +66,13 @@ class PlaneSum {
     n_ += 1.0, sum_ = sum_ + d, z_sum_ += z - z_, zd_ = zd_ + d * (z - z_);
     xx_ += d.x * d.x, xy_ += d.x * d.y, yy_ += d.y * d.y;
   }
-  [[nodiscard]] Plane solve() const {
+  [[nodiscard]] BendPlane solve() const {
     const Vec2 mean = sum_ * (1.0 / n_);
     const double z = z_sum_ / n_, xx = xx_ - n_ * mean.x * mean.x, xy = xy_ - n_ * mean.x * mean.y,
                  yy = yy_ - n_ * mean.y * mean.y;
     const Vec2 right = zd_ - mean * (n_ * z);
     const double determinant = xx * yy - xy * xy;
-    Plane plane{origin_ + mean, {}, z_ + z};
+    BendPlane plane{origin_ + mean, {}, z_ + z};
     if (determinant > 0.0)
       plane.slope = {(yy * right.x - xy * right.y) / determinant, (xx * right.y - xy * right.x) / determinant};
     return plane;
@@ -84,7 +84,7 @@ class PlaneSum {
 };
 
 /// The middle and the edges of the carriageway at nodes first to last, and beside them.
-Plane plane_of(const Ring& before, std::ptrdiff_t first, std::ptrdiff_t last) {
+BendPlane bend_plane_of(const BendRing& before, std::ptrdiff_t first, std::ptrdiff_t last) {
   const auto walk_out = [&](std::ptrdiff_t from, int way) {
     double gone_m = 0.0;
     std::ptrdiff_t i = from;
@@ -114,7 +114,7 @@ struct Run {
   std::ptrdiff_t first = 0, last = 0;
 };
 
-std::vector<Run> moved_runs(const Ring& now, const Ring& before, const std::vector<std::size_t>& was) {
+std::vector<Run> moved_runs(const BendRing& now, const BendRing& before, const std::vector<std::size_t>& was) {
   const auto n = static_cast<std::ptrdiff_t>(now.count());
   const auto moved = [&](std::ptrdiff_t i) {
     const std::size_t k = now.index(i);
@@ -142,7 +142,7 @@ class BendLayer {
     std::erase_if(runs, [&](const Run& run) { return is_truer_as_it_was(run); });
     const auto n = static_cast<std::ptrdiff_t>(now_.count());
     for (std::size_t k = 0; k < runs.size(); ++k) {
-      const Plane plane = plane_of_run(runs[k]);
+      const BendPlane plane = plane_of_run(runs[k]);
       for (std::ptrdiff_t i = runs[k].first; i <= runs[k].last; ++i)
         nodes_[now_.index(i)].z_m = plane.at(now_.at(i).p), nodes_[now_.index(i)].banking = banking(plane, i);
       const std::ptrdiff_t behind = k > 0     ? runs[k - 1].last
@@ -157,13 +157,13 @@ class BendLayer {
   }
 
  private:
-  [[nodiscard]] Plane plane_of_run(const Run& run) const {
-    return plane_of(old_, old_index(run.first), old_index(run.last));
+  [[nodiscard]] BendPlane plane_of_run(const Run& run) const {
+    return bend_plane_of(old_, old_index(run.first), old_index(run.last));
   }
   /// Whether nodes that keep their heights miss the road that was there by less than its plane does: bends of little
   /// moves whose gradient or banking changes.
   [[nodiscard]] bool is_truer_as_it_was(const Run& run) const {
-    const Plane plane = plane_of_run(run);
+    const BendPlane plane = plane_of_run(run);
     double kept_m = 0.0, plane_m = 0.0;
     for (std::ptrdiff_t i = run.first; i <= run.last; ++i) {
       const ChainLineNode& before = old_.at(old_index(i));
@@ -178,15 +178,15 @@ class BendLayer {
     const std::ptrdiff_t round = (i - static_cast<std::ptrdiff_t>(k)) / static_cast<std::ptrdiff_t>(now_.count());
     return static_cast<std::ptrdiff_t>(was_[k]) + round * static_cast<std::ptrdiff_t>(old_.count());
   }
-  [[nodiscard]] double banking(const Plane& plane, std::ptrdiff_t i) const {
+  [[nodiscard]] double banking(const BendPlane& plane, std::ptrdiff_t i) const {
     return std::atan(dot(plane.slope, left_normal(now_.direction(i))));
   }
 
   /// What the plane changes at node `end` of a bend fades out on the way to node `to`, half way if that is a bend too.
-  void fade_out(const Plane& plane, std::ptrdiff_t end, int way, std::ptrdiff_t to, bool to_bend) {
+  void fade_out(const BendPlane& plane, std::ptrdiff_t end, int way, std::ptrdiff_t to, bool to_bend) {
     double room_m = 0.0;
     for (std::ptrdiff_t i = end; i != to; i += way) room_m += distance(now_.at(i).p, now_.at(i + way).p);
-    const double fade = std::min(fade_m, to_bend ? 0.5 * room_m : room_m);
+    const double fade = std::min(bend_fade_m, to_bend ? 0.5 * room_m : room_m);
     if (fade <= 0.0) return;
     // What did not move keeps its height but for what the plane misses it by.
     const std::ptrdiff_t old_end = old_index(end), old_next = old_index(end + way);
@@ -207,7 +207,7 @@ class BendLayer {
   std::vector<ChainLineNode>& nodes_;
   const std::vector<std::size_t>& was_;
   bool closed_;
-  Ring now_, old_;
+  BendRing now_, old_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace orthodrive::network {
 namespace {
 
-constexpr double step_m = 0.5;
+constexpr double warp_step_m = 0.5;
 constexpr double most_1pm = 0.013;  // 3.5 % in a wheelbase; what of RAS-L's 0.5 % roads on steep ground cannot keep
 constexpr double least_inside = 0.2;
 
@@ -18,7 +18,7 @@ struct Places {
   std::vector<double> s, slope, turn, room;
 };
 
-double curvature_at(const std::vector<roadquery::PlanElement>& plan, double s) {
+double plan_curvature_at(const std::vector<roadquery::PlanElement>& plan, double s) {
   auto element =
       std::upper_bound(plan.begin(), plan.end(), s, [](double v, const roadquery::PlanElement& e) { return v < e.s; });
   if (element != plan.begin()) --element;
@@ -27,12 +27,12 @@ double curvature_at(const std::vector<roadquery::PlanElement>& plan, double s) {
 
 Places sample(const ChainGeometry& geometry) {
   Places places;
-  const auto steps = static_cast<int>(std::ceil(geometry.length_m / step_m));
+  const auto steps = static_cast<int>(std::ceil(geometry.length_m / warp_step_m));
   for (int i = 0; i <= steps; ++i) {
     const double s = geometry.length_m * i / steps;
     places.s.push_back(s), places.slope.push_back(std::tan(value_at(geometry.superelevation, s)));
     if (i == steps) break;
-    const double middle = s + 0.5 * geometry.length_m / steps, curvature = curvature_at(geometry.plan, middle);
+    const double middle = s + 0.5 * geometry.length_m / steps, curvature = plan_curvature_at(geometry.plan, middle);
     // A metre of the lane inside a bend is more of the road's line, and the same turn is made in less of it.
     const double inside = std::max(least_inside, 1.0 - std::abs(curvature) * 0.25 * width_at(geometry, middle));
     places.turn.push_back(-curvature * slope_at(geometry.elevation, middle) * geometry.length_m / steps);
@@ -64,7 +64,7 @@ std::vector<double> slowed(const Places& places, bool closed) {
 }  // namespace
 
 void limit_warp(ChainGeometry& geometry, double banking_tolerance_rad) {
-  if (geometry.empty() || !(geometry.length_m > step_m)) return;
+  if (geometry.empty() || !(geometry.length_m > warp_step_m)) return;
   const Places places = sample(geometry);
   const std::vector<double> slope = slowed(places, geometry.closed);
   constexpr double nothing = 1e-9;

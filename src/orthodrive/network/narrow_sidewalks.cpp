@@ -15,10 +15,10 @@ using roadquery::Lane;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-constexpr double step_m = 0.5, across_step_m = 0.1;
-constexpr double taper = 0.5;         // change of the width, m per m
-constexpr double margin_m = 0.1;      // kept to the other carriageway: between two places it may come nearer
-constexpr double least_free_m = 0.3;  // nobody walks on less
+constexpr double sidewalk_step_m = 0.5, sidewalk_across_step_m = 0.1;
+constexpr double sidewalk_taper = 0.5;     // change of the width, m per m
+constexpr double sidewalk_margin_m = 0.1;  // kept to the other carriageway: between two places it may come nearer
+constexpr double least_free_m = 0.3;       // nobody walks on less
 
 /// Widths at evenly spaced places of one road, its ends included.
 struct Widths {
@@ -28,26 +28,26 @@ struct Widths {
   [[nodiscard]] double& at(bool end) { return end ? m.back() : m.front(); }
   /// Everywhere at most what the taper allows beside the other places.
   void taper_off() {
-    for (std::size_t i = 1; i < m.size(); ++i) m[i] = std::min(m[i], m[i - 1] + taper * apart_m);
-    for (std::size_t i = m.size() - 1; i-- > 0;) m[i] = std::min(m[i], m[i + 1] + taper * apart_m);
+    for (std::size_t i = 1; i < m.size(); ++i) m[i] = std::min(m[i], m[i - 1] + sidewalk_taper * apart_m);
+    for (std::size_t i = m.size() - 1; i-- > 0;) m[i] = std::min(m[i], m[i + 1] + sidewalk_taper * apart_m);
   }
 };
 
 /// Width from the inner border out to another carriageway.
 double free_width_m(const RoadsOver& roads, const Road& road, const SidewalkLane& walk, double s, double width_m) {
   const double inner = walk.inner_t(road, s), outwards = walk.left ? 1.0 : -1.0;
-  const int steps = static_cast<int>(std::ceil((width_m + margin_m) / across_step_m));
+  const int steps = static_cast<int>(std::ceil((width_m + sidewalk_margin_m) / sidewalk_across_step_m));
   for (int i = 0; i <= steps; ++i) {
-    const double out_m = std::min(i * across_step_m, width_m + margin_m);
+    const double out_m = std::min(i * sidewalk_across_step_m, width_m + sidewalk_margin_m);
     if (!roads.is_carriageway(roadquery::surface_point(road, s, inner + outwards * out_m), walk.road)) continue;
-    const double free_m = out_m - across_step_m - margin_m;
+    const double free_m = out_m - sidewalk_across_step_m - sidewalk_margin_m;
     return free_m < least_free_m ? 0.0 : free_m;
   }
   return width_m;
 }
 
 Widths free_widths(const RoadsOver& roads, const Road& road, const SidewalkLane& walk, const Lane& lane) {
-  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / sidewalk_step_m)));
   Widths widths{road.length / steps, {}};
   for (int i = 0; i <= steps; ++i) {
     const double s = road.length * i / steps;

@@ -21,9 +21,9 @@ using roadquery::LaneType;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-constexpr double step_m = 2.0, half_window_m = 20.0, shortest_bend_m = 15.0, shortest_kerb_m = 8.0;
-constexpr double place_step_m = 1.0;  // between the places of widths and heights
-constexpr double margin_m = 0.3;      // kept to other carriageways
+constexpr double kerb_step_m = 2.0, half_window_m = 20.0, shortest_bend_m = 15.0, shortest_kerb_m = 8.0;
+constexpr double place_step_m = 1.0;   // between the places of widths and heights
+constexpr double kerb_margin_m = 0.3;  // kept to other carriageways
 
 bool is_track(const Road& road) { return road.highway == "raceway" && road.junction < 0 && road.sections.size() == 1; }
 
@@ -122,10 +122,10 @@ const Member& member_at(const Track& track, double at_m) {
 
 /// Mean curvature over the window, at places step_m apart.
 std::vector<double> curvatures(const RoadMap& map, const Track& track) {
-  const auto count = static_cast<std::ptrdiff_t>(std::max(1.0, std::floor(track.length_m / step_m)));
+  const auto count = static_cast<std::ptrdiff_t>(std::max(1.0, std::floor(track.length_m / kerb_step_m)));
   std::vector<double> heading;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const double at_m = step_m * static_cast<double>(i);
+    const double at_m = kerb_step_m * static_cast<double>(i);
     const Member& member = member_at(track, at_m);
     const double hdg = roadquery::reference_point(map.roads[member.road], s_of(map, member, at_m)).hdg +
                        (member.reversed ? std::numbers::pi : 0.0);
@@ -134,7 +134,7 @@ std::vector<double> curvatures(const RoadMap& map, const Track& track) {
   }
   const double turn =
       heading.back() + std::remainder(heading.front() - heading.back(), 2.0 * std::numbers::pi) - heading.front();
-  const auto half = static_cast<std::ptrdiff_t>(half_window_m / step_m);
+  const auto half = static_cast<std::ptrdiff_t>(half_window_m / kerb_step_m);
   const auto at = [&](std::ptrdiff_t i) {
     const std::ptrdiff_t lap = i < 0 ? -1 : i >= count ? 1 : 0;
     return heading[static_cast<std::size_t>(i - lap * count)] + static_cast<double>(lap) * turn;
@@ -144,7 +144,7 @@ std::vector<double> curvatures(const RoadMap& map, const Track& track) {
     const bool wraps = track.closed && count > 2 * half;
     const std::ptrdiff_t from = wraps ? i - half : std::max<std::ptrdiff_t>(0, i - half),
                          to = wraps ? i + half : std::min(count - 1, i + half);
-    curvature.push_back(to > from ? (at(to) - at(from)) / (step_m * static_cast<double>(to - from)) : 0.0);
+    curvature.push_back(to > from ? (at(to) - at(from)) / (kerb_step_m * static_cast<double>(to - from)) : 0.0);
   }
   return curvature;
 }
@@ -180,14 +180,14 @@ std::vector<Bend> find_bends(const std::vector<double>& curvature, bool closed) 
     for (bend.tight_first = bend.first; !is_tight(bend.tight_first);) ++bend.tight_first;
     for (bend.tight_last = bend.last; !is_tight(bend.tight_last);) --bend.tight_last;
     i = bend.last + 1;
-    if (step_m * static_cast<double>(bend.last - bend.first) >= shortest_bend_m) bends.push_back(bend);
+    if (kerb_step_m * static_cast<double>(bend.last - bend.first) >= shortest_bend_m) bends.push_back(bend);
   }
   return bends;
 }
 
 void find_kerbs(const RoadMap& map, Track& track) {
   const std::vector<double> curvature = curvatures(map, track);
-  const auto place = [](std::ptrdiff_t i) { return step_m * static_cast<double>(i); };
+  const auto place = [](std::ptrdiff_t i) { return kerb_step_m * static_cast<double>(i); };
   for (const Bend& bend : find_bends(curvature, track.closed)) {
     const std::size_t inner = bend.is_left ? 0 : 1, outer = 1 - inner;
     const auto add = [&](std::size_t side, Interval kerb) {
@@ -221,7 +221,7 @@ void find_blocked(const RoadsOver& roads, const RoadMap& map, Track& track) {
           const auto p = roadquery::surface_point(road, s, left ? edges.left_t + off_m : edges.right_t - off_m);
           return roads.is_carriageway(p, member.road) || roads.is_junction(p);
         };
-        if (is_taken(margin_m) || is_taken(0.5 * race_kerb_m) || is_taken(race_kerb_m + margin_m))
+        if (is_taken(kerb_margin_m) || is_taken(0.5 * race_kerb_m) || is_taken(race_kerb_m + kerb_margin_m))
           track.blocked[side].push_back({at_m - place_step_m, at_m + place_step_m});
       }
     }

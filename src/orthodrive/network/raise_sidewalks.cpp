@@ -18,8 +18,8 @@ using roadquery::LaneType;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-constexpr double step_m = 0.5;  // between places that are asked whether something lies on the sidewalk
-constexpr double height_unit_m = 1e-3;
+constexpr double raised_step_m = 0.5;  // between places that are asked whether something lies on the sidewalk
+constexpr double sidewalk_height_unit_m = 1e-3;
 
 /// The sidewalk lies at most so high between two s.
 struct Limit {
@@ -48,7 +48,7 @@ void add_own_limits(const Road& road, const Lane& lane, Walk& walk) {
 }
 
 void add_limits_of_others(const RoadsOver& roads, const Road& road, const Lane& lane, Walk& walk) {
-  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / raised_step_m)));
   std::optional<Limit> open;
   for (int i = 0; i <= steps + 1; ++i) {
     const double s = road.length * std::min(i, steps) / steps;
@@ -60,8 +60,8 @@ void add_limits_of_others(const RoadsOver& roads, const Road& road, const Lane& 
         covered = covered || roads.is_carriageway(p, walk.road) || roads.is_junction(p);
       }
     }
-    if (covered && !open) open = Limit{s - step_m, s + step_m, 0.0};
-    if (covered) open->to = s + step_m;
+    if (covered && !open) open = Limit{s - raised_step_m, s + raised_step_m, 0.0};
+    if (covered) open->to = s + raised_step_m;
     if (!covered && open) walk.limits.push_back(*open), open.reset();
   }
 }
@@ -100,7 +100,7 @@ std::vector<roadquery::LaneHeight> entries_of(const Walk& walk, double length) {
   constexpr double apart_m = 1e-3;
   for (const double s : places) {
     if (!entries.empty() && s - entries.back().s_offset < apart_m) continue;
-    const double height = std::round(walk.height(s) / height_unit_m) * height_unit_m;
+    const double height = std::round(walk.height(s) / sidewalk_height_unit_m) * sidewalk_height_unit_m;
     const std::size_t n = entries.size();
     if (n > 1 && entries[n - 1].inner == height && entries[n - 2].inner == height) entries.pop_back();
     entries.push_back({s, height, height});

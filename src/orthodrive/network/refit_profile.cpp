@@ -17,7 +17,7 @@ namespace {
 using roadquery::Cubic;
 using roadquery::Road;
 
-constexpr double least_knot_m = 2.5, step_m = 0.5;
+constexpr double least_knot_m = 2.5, profile_step_m = 0.5;
 constexpr double least_rough_m = 1.5, rough = 4.0;  // pieces of which the tolerance is missed by that factor
 constexpr double tolerance_m = 0.005;               // more pieces until the lanes lie so near to what the surface wants
 constexpr double knot_unit_m = 0.01, height_unit_m = 1e-4,
@@ -28,11 +28,11 @@ constexpr double rate_step_m = 0.1;
 constexpr double least_width_m = 0.5;
 
 /// Values along the road and their slopes by s.
-struct Section {
+struct ProfileSection {
   double z = 0.0, bank = 0.0;
 };
 
-roadquery::Edges lanes_at(const Road& road, double s) { return carriageway_edges(road, s); }
+roadquery::Edges edges_at(const Road& road, double s) { return carriageway_edges(road, s); }
 
 /// The straight line of least squares through what value(x, y, t) says at places across the lanes.
 struct LineAcross {
@@ -41,7 +41,7 @@ struct LineAcross {
 template <typename Value>
 LineAcross line_across(const Road& road, double s, const Value& value) {
   const roadquery::PlanPoint p = roadquery::reference_point(road, s);
-  const roadquery::Edges edges = lanes_at(road, s);
+  const roadquery::Edges edges = edges_at(road, s);
   const double middle = 0.5 * (edges.left_t + edges.right_t);
   const double half = 0.5 * std::max(edges.left_t - edges.right_t, least_width_m);
   double sum = 0.0, moment = 0.0, square = 0.0;
@@ -55,14 +55,14 @@ LineAcross line_across(const Road& road, double s, const Value& value) {
 }
 
 /// The line through the surface less the road's shape.
-Section section_at(const Road& road, const roadquery::JunctionSurface& surface, double s) {
+ProfileSection section_at(const Road& road, const roadquery::JunctionSurface& surface, double s) {
   const LineAcross line = line_across(road, s, [&](double x, double y, double t) {
     return roadquery::evaluate(surface, x, y).z - roadquery::shape(road, s, t).h;
   });
   return {line.at_reference, std::atan(line.slope)};
 }
 
-double rounded(double v, double unit) { return std::round(v / unit) * unit; }
+double rounded_to(double v, double unit) { return std::round(v / unit) * unit; }
 
 /// A spline of values in multiples of `unit`.
 std::vector<Cubic> cubics_of(const CubicSpline& spline, double unit) {
@@ -77,24 +77,24 @@ std::vector<Cubic> cubics_of(const CubicSpline& spline, double unit) {
 
 /// The sections that the profile should have, at even places of the road.
 struct Wanted {
-  double step_m = 0.0;
-  std::vector<Section> sections;
+  double profile_step_m = 0.0;
+  std::vector<ProfileSection> sections;
   double start_rate = 0.0, end_rate = 0.0;  ///< of the banking
   double half_m = 0.0;                      ///< half the width of the lanes, at most
 
-  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
+  [[nodiscard]] double s(std::size_t i) const { return profile_step_m * static_cast<double>(i); }
 };
 
 Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, const ProfileEnds& ends) {
   Wanted wanted;
-  const auto count = static_cast<std::size_t>(std::max(2.0, std::ceil(road.length / step_m)));
+  const auto count = static_cast<std::size_t>(std::max(2.0, std::ceil(road.length / profile_step_m)));
   wanted.step_m = road.length / static_cast<double>(count);
   for (std::size_t i = 0; i <= count; ++i) {
     const double s = i == count ? road.length : wanted.s(i);
-    wanted.sections.push_back(i == 0       ? Section{ends.start.z, ends.start.banking}
-                              : i == count ? Section{ends.end.z, ends.end.banking}
+    wanted.sections.push_back(i == 0       ? ProfileSection{ends.start.z, ends.start.banking}
+                              : i == count ? ProfileSection{ends.end.z, ends.end.banking}
                                            : section_at(road, surface, s));
-    const roadquery::Edges edges = lanes_at(road, s);
+    const roadquery::Edges edges = edges_at(road, s);
     wanted.half_m = std::max({wanted.half_m, std::abs(edges.left_t), std::abs(edges.right_t)});
   }
   // A road that begins to turn at once turns its banking at once, too, however little the arm's changes.
@@ -109,13 +109,13 @@ Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, co
 /// What a spline follows: the values at all places of the wanted sections, and the slopes at the ends.
 struct Course {
   std::vector<double> values;
-  double step_m = 0.0, first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
+  double profile_step_m = 0.0, first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
   double unit = 0.0;  ///< a spline has multiples of it between the ends
 
-  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
+  [[nodiscard]] double s(std::size_t i) const { return profile_step_m * static_cast<double>(i); }
   /// Where a spline has a knot that stands for a place.
   [[nodiscard]] double knot_s(std::size_t i) const {
-    return i == 0 || i + 1 == values.size() ? s(i) : rounded(s(i), knot_unit_m);
+    return i == 0 || i + 1 == values.size() ? s(i) : rounded_to(s(i), knot_unit_m);
   }
 };
 
@@ -155,7 +155,7 @@ CubicSpline least_squares_spline(const Course& course, const Knots& knots) {
     else
       for (std::size_t k = 0; k < free; ++k) right[k] = course.values[knots[k + 1]];
   }
-  for (std::size_t k = 0; k < free; ++k) values[k + 1] = rounded(right[k], course.unit);
+  for (std::size_t k = 0; k < free; ++k) values[k + 1] = rounded_to(right[k], course.unit);
   return clamped_spline(std::move(s), std::move(values), course.first_slope, course.last_slope);
 }
 
@@ -231,8 +231,8 @@ void thin(Profile& profile) {
 
 double distance_from_surface_m(const Road& road, const roadquery::JunctionSurface& surface) {
   double largest = 0.0;
-  for (double s = 0.0;; s = std::min(s + step_m, road.length)) {
-    const roadquery::Edges edges = lanes_at(road, s);
+  for (double s = 0.0;; s = std::min(s + profile_step_m, road.length)) {
+    const roadquery::Edges edges = edges_at(road, s);
     for (int i = 0; i < across; ++i) {
       const double t = edges.right_t + (edges.left_t - edges.right_t) * i / (across - 1);
       const roadquery::SurfacePoint p = roadquery::surface_point(road, s, t);
@@ -267,7 +267,7 @@ ProfileEnd end_on(const Road& road, const roadquery::JunctionSurface& surface, b
     const roadquery::JunctionHeight h = roadquery::evaluate(surface, x, y);
     return (h.dz_dx * std::cos(p.hdg) + h.dz_dy * std::sin(p.hdg)) * (1.0 - p.curvature * t);
   });
-  const Section section = section_at(road, surface, s);
+  const ProfileSection section = section_at(road, surface, s);
   return {section.z, gradient.at_reference, section.bank};
 }
 
@@ -282,7 +282,7 @@ Road refitted(const Road& road, const roadquery::JunctionSurface& surface, const
               wanted.end_rate * wanted.half_m,
               (1.0 - share) * tolerance_m,
               banking_unit * wanted.half_m};
-  for (const Section& section : wanted.sections)
+  for (const ProfileSection& section : wanted.sections)
     z.values.push_back(section.z), edge.values.push_back(section.bank * wanted.half_m);
   Profile profile{{std::move(z), std::move(edge)}, {}};
   for (const std::size_t p : {0U, 1U}) profile.knots[p] = halved(profile.courses[p]);

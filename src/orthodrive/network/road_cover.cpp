@@ -10,8 +10,8 @@
 namespace orthodrive::network {
 namespace {
 
-constexpr double step_m = 1.0;
-constexpr double off_line_m = 1e-6;  // further from the foot of the perpendicular than this is beyond an end
+constexpr double cover_step_m = 1.0;
+constexpr double off_foot_m = 1e-6;  // further from the foot of the perpendicular than this is beyond an end
 constexpr double straight_m = 1e-3;  // corners of pieces that lie so near to a straight edge are left out
 constexpr double foot_m = 1e-7;
 constexpr double min_piece_area_m2 = 1e-6, right_angle_rad = 0.5 * std::numbers::pi;
@@ -36,7 +36,7 @@ std::vector<Vec2> without_straight(const std::vector<Vec2>& points) {
 /// line turns within less than that, at the inner edge of a tight turn, the outer edge still goes round in an arc.
 int sections_of(const roadquery::Road& road, double s0, double s1) {
   constexpr int most = 64;  // times as many: a turn on the spot
-  const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / step_m)));
+  const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / cover_step_m)));
   double longest = 1.0;
   for (int i = 0; i <= 4 * steps; ++i) {
     const double s = s0 + (s1 - s0) * i / (4.0 * steps);
@@ -69,7 +69,7 @@ RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double
   // foot.
   constexpr double edge_m = 0.5;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    reach_m_ = std::max(reach_m_, distance(corners[i], line_[i / 2]) + 0.5 * step_m + edge_m);
+    reach_m_ = std::max(reach_m_, distance(corners[i], line_[i / 2]) + 0.5 * cover_step_m + edge_m);
 }
 
 roadquery::Edges RoadCover::edges(double s, bool with_sidewalks) const {
@@ -96,7 +96,7 @@ std::optional<RoadCover::Place> RoadCover::find(Vec2 p, bool with_sidewalks) con
     if (std::abs(next - s) < foot_m) break;
     s = next;
   }
-  if (std::abs(along) > off_line_m) return std::nullopt;
+  if (std::abs(along) > off_foot_m) return std::nullopt;
   const Place place{s, roadquery::t_at(*road_, s, across)};
   const roadquery::Edges all = edges(s, with_sidewalks);
   if (place.t > all.left_t || place.t < all.right_t) return std::nullopt;

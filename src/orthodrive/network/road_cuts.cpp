@@ -23,7 +23,7 @@ constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not sho
 constexpr double corner_reach_m = 8.0, calm_joint_radius_m = 24.0;
 constexpr double fold_margin = 1.5, long_rest_m = 1.4;
 constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an element ends: then none is cut in two
-constexpr double step_m = 0.25;
+constexpr double cut_step_m = 0.25;
 constexpr double min_road_m = 3.0;  // shorter ones are hardly shortened further
 constexpr double short_road_reach_m = 0.5;
 constexpr double dead_end_m = 3.0;  // a dead end may become this much shorter
@@ -181,7 +181,7 @@ class StretchCuts {
         k + 1 < cuts_.size() ? std::min(wish + forth_m, cuts_[k + 1] - kept(cuts_[k + 1])) : wish + forth_m;
     double best = wish;
     Calm calmest = calm_at(k, wish);
-    for (double away = step_m; !calmest.enough() && away <= std::max(-back_m, forth_m) + 1e-9; away += step_m)
+    for (double away = cut_step_m; !calmest.enough() && away <= std::max(-back_m, forth_m) + 1e-9; away += cut_step_m)
       for (const double s : {wish + away, wish - away}) {
         if (s < low || s > high) continue;
         const Calm calm = calm_at(k, s);

@@ -204,16 +204,16 @@ bool is_clear(const Section& end, const std::vector<Section>& sections, const Se
   return true;
 }
 
-struct Limit {
+struct RoomLimit {
   double s = 0.0, width_m = 0.0;
 };
 
 /// Widths of a piece under the limits, which taper.
-std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, const std::vector<Limit>& limits) {
+std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, const std::vector<RoomLimit>& limits) {
   std::vector<double> places;
   for (const ProfileSample& sample : widths) places.push_back(sample.s);
   const double from = widths.front().s, to = widths.back().s;
-  for (const Limit& limit : limits)
+  for (const RoomLimit& limit : limits)
     if (limit.s > from && limit.s < to) places.push_back(limit.s);
   // Where the taper ends, too, there must be places: a metre apart it is near enough.
   for (double s = std::max(from, limits.front().s - taper_reach_m); s < std::min(to, limits.back().s + taper_reach_m);
@@ -230,7 +230,7 @@ std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, co
       const ProfileSample &a = *(after - 1), &b = *after;
       width = b.s > a.s ? a.value + (b.value - a.value) * (s - a.s) / (b.s - a.s) : b.value;
     }
-    for (const Limit& limit : limits) width = std::min(width, limit.width_m + taper * std::abs(s - limit.s));
+    for (const RoomLimit& limit : limits) width = std::min(width, limit.width_m + taper * std::abs(s - limit.s));
     result.push_back({s, width});
   }
   return result;
@@ -263,7 +263,7 @@ void leave_room_beside(const RoadNetwork& roads, const Topology& topology, const
                        const std::vector<std::vector<double>>& cuts, ChainGeometries& geometry) {
   const std::vector<Section> sections = SectionMaker(roads, topology, junctions, geometry).all(cuts);
   const std::vector<double> room = room_of(sections, junctions);
-  std::map<std::size_t, std::vector<Limit>> limits;  // by the stretch
+  std::map<std::size_t, std::vector<RoomLimit>> limits;  // by the stretch
   for (std::size_t i = 0; i < sections.size(); ++i)
     if (room[i] < sections[i].half_m) limits[sections[i].stretch].push_back({sections[i].s, 2.0 * room[i]});
   for (const auto& [stretch, of_stretch] : limits) {

@@ -67,12 +67,12 @@ double chord_end(const Road& road, Vec2 p, double from_s, double chord_m) {
   return s;
 }
 
-struct Walk {
+struct CrgWalk {
   std::vector<double> s, phi;  ///< a row; phi[0] repeats phi[1]
 };
 
-Walk walk(const Road& road, std::size_t steps, double chord_m, CrgFormat format) {
-  Walk result{{0.0}, {0.0}};
+CrgWalk walk(const Road& road, std::size_t steps, double chord_m, CrgFormat format) {
+  CrgWalk result{{0.0}, {0.0}};
   const PlanPoint start = line_point(road, 0.0);
   Vec2 p{start.x, start.y};
   for (std::size_t i = 1; i <= steps; ++i) {
@@ -150,7 +150,7 @@ CrgSurface sample_at_step(const Road& road, const SampleCrgOptions& options) {
   const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(length_m / options.u_step_m - 1e-9)));
   CrgSurface surface;
   surface.u_increment_m = fitting_chord(road, length_m, steps, options.format);
-  Walk line = walk(road, steps, surface.u_increment_m, options.format);
+  CrgWalk line = walk(road, steps, surface.u_increment_m, options.format);
   surface.phi_rad = std::move(line.phi);
   const std::size_t rows = steps + 1;
 

@@ -9,13 +9,14 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double corner_m = 2.0;  // room for the curve of the corner beyond the carriageways
-constexpr double taper_m = 10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
-constexpr double reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
-constexpr double step_m = 0.5;
-constexpr double across_step_m = 1.5;   // no carriageway is narrower
-constexpr double clear_m = 3.0;         // free of the others for this long counts as having left them
-constexpr double part_m = 15.0;         // roads of two junctions that lie on each other have parted within this: a fork
-constexpr double min_road_m = 1.0;      // what is left of a road between two junctions
+constexpr double joint_taper_m =
+    10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
+constexpr double fork_reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
+constexpr double stretch_step_m = 0.5;
+constexpr double narrowest_carriageway_m = 1.5;  // no carriageway is narrower
+constexpr double clear_m = 3.0;                  // free of the others for this long counts as having left them
+constexpr double fork_part_m = 15.0;    // roads of two junctions that lie on each other have parted within this: a fork
+constexpr double min_rest_m = 1.0;      // what is left of a road between two junctions
 constexpr double join_share = 0.65;     // junctions join when less than this share of the wished cuts fits between them
 constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
 constexpr double widest_twin_m = 60.0;  // the same where two roads that would lie on each other are all that is between
@@ -51,7 +52,7 @@ bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, cons
 /// Cuts that do not fit leave min_road_m of the road, or half of it.
 void shorten_cuts(Stretch& stretch) {
   const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-  const double room = std::max(gap - min_road_m, 0.5 * gap);
+  const double room = std::max(gap - min_rest_m, 0.5 * gap);
   if (wished <= room) return;
   stretch.trim0_m *= room / wished;
   stretch.trim1_m *= room / wished;
@@ -67,12 +68,12 @@ ArmLine sample_arm(const ChainGeometries& geometry, const Stretch& stretch, bool
   const ChainGeometry& g = geometry[stretch.chain];
   ArmLine line;
   const double reach = std::min(longest_m, stretch.s1 - stretch.s0);
-  const int steps = std::max(1, static_cast<int>(reach / step_m));
+  const int steps = std::max(1, static_cast<int>(reach / stretch_step_m));
   for (int i = 0; i <= steps; ++i) {
-    const double d = std::min(i * step_m, reach), s = at_s1 ? stretch.s1 - d : stretch.s0 + d;
+    const double d = std::min(i * stretch_step_m, reach), s = at_s1 ? stretch.s1 - d : stretch.s0 + d;
     const Pose pose = pose_at(g.plan, s);
     // Half a step off the vertex, where the width may change from road to road.
-    const double half = 0.5 * width_at(g, at_s1 ? s - 0.5 * std::min(step_m, reach) : s);
+    const double half = 0.5 * width_at(g, at_s1 ? s - 0.5 * std::min(stretch_step_m, reach) : s);
     line.center.push_back(pose.p);
     line.half_width_m.push_back(half);
     line.across.push_back(left_normal(pose.direction) * half);
@@ -94,7 +95,7 @@ bool covers(const ArmLine& other, Vec2 p) {
 /// Whether the other carriageway reaches into the cross section i of an arm. Not only its edges count: a narrow branch
 /// begins in the middle of a wide road.
 bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
-  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * arm.half_width_m[i] / across_step_m)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * arm.half_width_m[i] / narrowest_carriageway_m)));
   for (int k = 0; k <= steps; ++k)
     if (covers(other, arm.center[i] + arm.across[i] * (2.0 * k / steps - 1.0))) return true;
   return false;
@@ -105,8 +106,8 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
   const ArmLine& arm = arms[self];
   double covered_until = 0.0;
   for (std::size_t i = 0; i < arm.center.size(); ++i) {
-    const double d = static_cast<double>(i) * step_m;
-    if (d > covered_until + clear_m || d > reach_m) break;
+    const double d = static_cast<double>(i) * stretch_step_m;
+    if (d > covered_until + clear_m || d > fork_reach_m) break;
     for (std::size_t other = 0; other < arms.size(); ++other)
       if (other != self && meets(arm, i, arms[other])) {
         covered_until = d;
@@ -118,8 +119,8 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
 
 /// The part of an arm that its road has, up to part_m of it.
 ArmLine road_part(ArmLine line, double trim_m) {
-  const auto from = static_cast<std::ptrdiff_t>(std::min(std::ceil(trim_m / step_m), line.center.size() - 1.0));
-  const auto to = std::min(from + static_cast<std::ptrdiff_t>(part_m / step_m) + 1,
+  const auto from = static_cast<std::ptrdiff_t>(std::min(std::ceil(trim_m / stretch_step_m), line.center.size() - 1.0));
+  const auto to = std::min(from + static_cast<std::ptrdiff_t>(fork_part_m / stretch_step_m) + 1,
                            static_cast<std::ptrdiff_t>(line.center.size()));
   const auto cut = [&](auto& values) { values = {values.begin() + from, values.begin() + to}; };
   cut(line.center), cut(line.across), cut(line.half_width_m);
@@ -195,14 +196,14 @@ class JunctionPlanner {
       std::vector<ArmLine> lines;
       lines.reserve(junction.size() + inner[v].size());
       for (const Arm& arm : junction)
-        lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, reach_m + clear_m));
+        lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, fork_reach_m + clear_m));
       for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
         lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[junction[i].stretch];
         (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1 ? 0.0
                                                                   : junction.size() == 2
-                                                                      ? taper_m
+                                                                      ? joint_taper_m
                                                                       : clear_distance_m(lines, i) + corner_m;
       }
     }
@@ -222,7 +223,7 @@ class JunctionPlanner {
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
       if (stretch.inside || !stretch.vertex0 || !stretch.vertex1) continue;
-      const double room = stretch.s1 - stretch.s0 - min_road_m, wished = stretch.trim0_m + stretch.trim1_m;
+      const double room = stretch.s1 - stretch.s0 - min_rest_m, wished = stretch.trim0_m + stretch.trim1_m;
       const double share = wished > 0.0 ? room / wished : INFINITY;
       if (is_reason(i, share)) gaps.push_back({share, i});
     }
@@ -296,7 +297,7 @@ class JunctionPlanner {
         if (arm.stretch == between) continue;
         const Stretch& own = plan_.stretches[arm.stretch];
         const double trim = arm.at_s1 ? own.trim1_m : own.trim0_m;
-        roads.push_back(road_part(sample_arm(geometry_, own, arm.at_s1, trim + part_m), trim));
+        roads.push_back(road_part(sample_arm(geometry_, own, arm.at_s1, trim + fork_part_m), trim));
       }
       return roads;
     };
@@ -323,7 +324,7 @@ class JunctionPlanner {
                    : group(stretch.vertex0) != group(stretch.vertex1))
         continue;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
-      stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
+      stretch.inside = stretch.s1 - stretch.s0 - min_rest_m < stretch.trim0_m + stretch.trim1_m;
     }
   }
 

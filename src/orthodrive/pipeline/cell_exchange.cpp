@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 constexpr auto sign_every = 1s, silence_of_the_lost = 10s;
-constexpr auto shortest_pause = 5ms, longest_pause = 200ms;
+constexpr auto shortest_exchange_pause = 5ms, longest_exchange_pause = 200ms;
 
 fs::path sign_file(const CellStore& store, const std::string& process) {
   return store.folder().parent_path() / fmt::format("alive-{}", process);
@@ -112,13 +112,13 @@ void CellExchange::keep(const std::string& loop, std::size_t block, const std::s
 std::optional<std::string> CellExchange::take(const std::string& loop, std::size_t block) {
   std::optional<std::string> bytes = load(loop, block);
   if (bytes || !role_) return bytes;
-  std::chrono::milliseconds pause = shortest_pause;
+  std::chrono::milliseconds pause = shortest_exchange_pause;
   while (const std::optional<std::string> maker = claim(loop, block)) {
     throw_if_stopped();
     if ((bytes = load(loop, block))) return bytes;
     if (!lost_of({*maker}).empty()) continue;
     std::this_thread::sleep_for(pause);
-    pause = std::min<std::chrono::milliseconds>(pause * 2, longest_pause);
+    pause = std::min<std::chrono::milliseconds>(pause * 2, longest_exchange_pause);
   }
   return load(loop, block);  // made just before this process claimed it, or nothing
 }

@@ -46,7 +46,7 @@ void read_name(TomlSection& section, std::string& name) {
     section.fail_here("'name' is used as the name of a file: no '/', no '.' in front, at most 200 characters");
 }
 
-MapData read_map(TomlSection& section) {
+MapData read_map_table(TomlSection& section) {
   MapData map;
   for (const char* key : {"name", "photo", "bbox_wgs84", "background"}) section.require(key);
   read_name(section, map.name);
@@ -107,7 +107,7 @@ RasterData read_raster(TomlSection& section) {
   return data;
 }
 
-PolygonData read_polygons(TomlSection& section) {
+PolygonData read_polygon_data(TomlSection& section) {
   PolygonData data;
   for (const char* key : {"name", "photo", "polygons"}) section.require(key);
   read_name(section, data.name);
@@ -213,10 +213,11 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
     section.finish();
   }
   root.for_each_table("stage", [&](TomlSection& section) { experiment.stages.push_back(read_stage(section)); });
-  root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map(section)); });
+  root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map_table(section)); });
   root.for_each_table("images", [&](TomlSection& section) { experiment.images.push_back(read_images(section)); });
   root.for_each_table("raster", [&](TomlSection& section) { experiment.rasters.push_back(read_raster(section)); });
-  root.for_each_table("polygons", [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
+  root.for_each_table("polygons",
+                      [&](TomlSection& section) { experiment.polygons.push_back(read_polygon_data(section)); });
   root.finish();
   return experiment;
 }

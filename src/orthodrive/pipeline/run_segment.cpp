@@ -72,7 +72,7 @@ Finding finding_of(const AdaptReport& report, Vec2 at) {
           told, at.x, at.y};
 }
 
-nlohmann::json numbers_of(const AdaptReport& report) {
+nlohmann::json adapt_numbers(const AdaptReport& report) {
   return {{"kept", report.kept},
           {"cells", report.learned_cells},
           {"cells_held_back", report.held_back_cells},
@@ -192,7 +192,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
                        .findings = std::move(in.findings)};
   append(outcome.findings, segmented.findings);
   if (adaptation) {
-    outcome.numbers["adapt"] = numbers_of(*adaptation);
+    outcome.numbers["adapt"] = adapt_numbers(*adaptation);
     outcome.findings.push_back(finding_of(
         *adaptation, in.photo.frame.world_from_pixel(0.5 * in.photo.frame.width, 0.5 * in.photo.frame.height)));
   }

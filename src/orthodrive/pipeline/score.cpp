@@ -35,8 +35,8 @@ ConfidenceMap read_confidence_of(const fs::path& path, const LabelMap& predictio
 }
 
 /// A table that does not fit the classes is a fault of its file.
-LabelComparisonView compare(const LabelMap& prediction, const LabelMap& truth, const ComparisonOptions& comparison,
-                            const fs::path& merge_file) {
+LabelComparisonView compare_labels(const LabelMap& prediction, const LabelMap& truth,
+                                   const ComparisonOptions& comparison, const fs::path& merge_file) {
   try {
     return {prediction, truth, comparison};
   } catch (const OptionError& error) {
@@ -78,7 +78,7 @@ ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& opt
   std::optional<ConfidenceMap> confidence;
   if (!options.confidence.empty()) confidence = read_confidence_of(options.confidence, prediction);
 
-  const LabelComparisonView view = compare(prediction, truth.map, comparison, options.merge);
+  const LabelComparisonView view = compare_labels(prediction, truth.map, comparison, options.merge);
   const LabelScores scores = evaluate_labels(view, {.confidence = confidence ? &*confidence : nullptr});
   const std::vector<PieceScores> pieces = evaluate_pieces(view, truth.pieces);
   if (!options.page.empty())

@@ -63,7 +63,7 @@ struct Stage {
   TrainOptions options;
 };
 
-std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& network) {
+std::vector<Stage> training_stages(const Experiment& experiment, const NetworkSpec& network) {
   if (experiment.stages.empty()) return {{network.architecture(), experiment.train}};
   std::vector<Stage> stages;
   for (const StageOptions& stage : experiment.stages) {
@@ -104,7 +104,7 @@ TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_b
 void train(const TrainingRun& run, Monitor* monitor) {
   const fs::path checkpoint_file = run.out / "checkpoint.safetensors", model_file = run.out / "model.safetensors",
                  best_file = run.out / "best.safetensors";
-  std::vector<Stage> stages = stages_of(run.experiment, run.network);
+  std::vector<Stage> stages = training_stages(run.experiment, run.network);
   const int classes = static_cast<int>(run.classes.classes.size());
   for (Stage& stage : stages)
     if (stage.options.map_only) stage.options.kept_crf = first_crf(run.read_weights(), classes);

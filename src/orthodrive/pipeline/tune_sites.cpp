@@ -50,7 +50,7 @@ SiteEntry read_entry(TomlSection& section) {
   return entry;
 }
 
-std::vector<SiteEntry> read_entries(const fs::path& file) {
+std::vector<SiteEntry> read_site_entries(const fs::path& file) {
   if (!fs::is_regular_file(file))
     throw InputError(file.string(), "no such file; need a TOML file of [[site]], `orthodrive tune --help` shows one");
   const toml::table table = parse_toml(io::read_file(file), file);
@@ -163,7 +163,7 @@ void add_sites(TuneSites& all, const SiteEntry& entry, const fs::path& file, Mon
 
 TuneSites read_tune_sites(const fs::path& file, Monitor* monitor) {
   TuneSites all;
-  for (const SiteEntry& entry : read_entries(file)) add_sites(all, entry, file, monitor);
+  for (const SiteEntry& entry : read_site_entries(file)) add_sites(all, entry, file, monitor);
   return all;
 }
 

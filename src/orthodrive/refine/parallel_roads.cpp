@@ -13,13 +13,13 @@
 namespace orthodrive::refine {
 namespace {
 
-constexpr double reach_m = 25.0;            // two roads of 9 m, both 8 m off
-constexpr double nearest_m = 3.0;           // OSM lines closer than that are one road that splits
-constexpr double least_alignment = 0.9397;  // cos 20 degrees, as the no-overlap constraint of Mattyus et al. 2015
-constexpr double junction_m = 40.0;         // roads that split run into each other for about so far
-constexpr double merge_m = 300.0;           // slip roads run beside the carriageway they join for at most so long
-constexpr double watched_gap_m = 1.0;       // edges further apart need no limit
-constexpr double least_strays_m = 0.1;      // keeps the share of an overlap steady where neither edge strays
+constexpr double parallel_reach_m = 25.0;      // two roads of 9 m, both 8 m off
+constexpr double nearest_m = 3.0;              // OSM lines closer than that are one road that splits
+constexpr double least_parallel_cos = 0.9397;  // cos 20 degrees, as the no-overlap constraint of Mattyus et al. 2015
+constexpr double junction_m = 40.0;            // roads that split run into each other for about so far
+constexpr double merge_m = 300.0;              // slip roads run beside the carriageway they join for at most so long
+constexpr double watched_gap_m = 1.0;          // edges further apart need no limit
+constexpr double least_strays_m = 0.1;         // keeps the share of an overlap steady where neither edge strays
 // Maps draw two carriageways where something stands or grows between them. The narrowest is a barrier with two faces
 // (0.6 m of concrete, 0.8 m of steel) and what keeps wheels off it; planted medians have 2.5 m and more (RAA 2008).
 constexpr double least_median_m = 1.0;
@@ -80,7 +80,7 @@ class ParallelRoads {
   template <typename Visit>
   void beside(std::size_t c, std::size_t i, const Visit& visit) const {
     const ChainNode& node = chains_[c].nodes[i];
-    for (const auto [chain, segment] : index_.near(node.base, reach_m)) {
+    for (const auto [chain, segment] : index_.near(node.base, parallel_reach_m)) {
       if (chain == c || layers_[chain][segment] != layers_[c][i]) continue;
       const ChainNode &a = chains_[chain].nodes[segment], &b = chains_[chain].nodes[segment + 1];
       const Vec2 along = b.base - a.base;
@@ -90,7 +90,7 @@ class ParallelRoads {
       if (fraction < 0.0 || fraction >= 1.0) continue;
       const double t = dot(a.base + along * fraction - node.base, node.normal);
       const double alignment = dot(normalized(a.normal + (b.normal - a.normal) * fraction), node.normal);
-      if (std::abs(t) > reach_m || std::abs(alignment) < least_alignment) continue;
+      if (std::abs(t) > parallel_reach_m || std::abs(alignment) < least_parallel_cos) continue;
       const bool overlap = std::abs(t) < 0.5 * (node.input_width_m + a.input_width_m);
       const bool merges = meet_near(meetings_, c, node.s_m, chain, a.s_m, overlap ? merge_m : junction_m);
       const bool divided = traffic_[c][i] * traffic_[chain][segment] * alignment < 0.0;

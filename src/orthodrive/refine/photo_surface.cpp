@@ -10,18 +10,18 @@
 namespace orthodrive {
 namespace {
 
-enum class Vote : std::uint8_t { none, paved, gravel, ground };
+enum class PixelVote : std::uint8_t { none, paved, gravel, ground };
 
-Vote vote_of(const ClassInfo& info) {
+PixelVote pixel_vote_of(const ClassInfo& info) {
   constexpr std::array<std::string_view, 3> gravel{"gravel", "macadam", "ground"};
   constexpr std::array<std::string_view, 5> ground{"dirt", "field", "grass", "grassland", "lawn"};
-  if (std::find(gravel.begin(), gravel.end(), info.name) != gravel.end()) return Vote::gravel;
-  if (std::find(ground.begin(), ground.end(), info.name) != ground.end()) return Vote::ground;
-  return info.role == Role::road || info.role == Role::maybe_road ? Vote::paved : Vote::none;
+  if (std::find(gravel.begin(), gravel.end(), info.name) != gravel.end()) return PixelVote::gravel;
+  if (std::find(ground.begin(), ground.end(), info.name) != ground.end()) return PixelVote::ground;
+  return info.role == Role::road || info.role == Role::maybe_road ? PixelVote::paved : PixelVote::none;
 }
 
 /// Samples at every node: the middle and half way to both edges, where mapping and refining errors do not reach.
-std::array<int, 4> count_votes(const RoadPath& path, const LabelMap& labels, const std::vector<Vote>& votes) {
+std::array<int, 4> count_votes(const RoadPath& path, const LabelMap& labels, const std::vector<PixelVote>& votes) {
   std::array<int, 4> count{};
   for (std::size_t i = 0; i < path.nodes.size(); ++i) {
     const RoadNode& node = path.nodes[i];
@@ -42,8 +42,8 @@ std::array<int, 4> count_votes(const RoadPath& path, const LabelMap& labels, con
 }  // namespace
 
 int classify_by_photo(RoadNetwork& roads, const LabelMap& labels, const PhotoSurfaceOptions& options) {
-  std::vector<Vote> votes;
-  for (const ClassInfo& info : labels.classes.classes) votes.push_back(vote_of(info));
+  std::vector<PixelVote> votes;
+  for (const ClassInfo& info : labels.classes.classes) votes.push_back(pixel_vote_of(info));
   int changed = 0;
   for (RoadPath& path : roads.paths) {
     if (path.known_surface.source != SurfaceSource::highway) continue;

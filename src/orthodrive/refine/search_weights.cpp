@@ -121,7 +121,7 @@ class Walk {
   Values start_, best_, proposal_;
 };
 
-void check(const std::set<std::string>& folds, const SearchWeightsOptions& options) {
+void check_folds(const std::set<std::string>& folds, const SearchWeightsOptions& options) {
   if (folds.contains("")) throw OptionError("tune: a fold has no name");
   if (folds.size() < 2) throw OptionError("tune: need sites of at least two folds, one to tune on and one to hold out");
   if (options.trials < 0 || !(options.step > 0.0) || !(options.share >= 0.0 && options.share <= 1.0))
@@ -142,7 +142,7 @@ double WeightSearch::held_out_gain_m() const { return mean_over_folds(folds, &Tu
 WeightSearch search_weights(std::span<const std::string> fold_of_site, const WeightLoss& loss,
                             const SearchWeightsOptions& options, Monitor* monitor) {
   const std::set<std::string> folds(fold_of_site.begin(), fold_of_site.end());
-  check(folds, options);
+  check_folds(folds, options);
   std::vector<Walk> walks;
   for (const std::string& fold : folds) walks.emplace_back(fold, fold_of_site, options);
   walks.emplace_back("", fold_of_site, options);  // no fold has this name: all sites

@@ -15,10 +15,10 @@
 namespace orthodrive::refine {
 namespace {
 
-constexpr double apart_m = 20.0;                               // further from every road: no road of the map
-constexpr double shortest_m = 50.0;                            // less is a yard or an error
-constexpr double same_path_m = 15.0, least_alignment = 0.866;  // two traces of one path: 15 m and 30 degrees
-constexpr double step_m = 2.0;                                 // between the points of a trace that are looked at
+constexpr double apart_m = 20.0;                              // further from every road: no road of the map
+constexpr double shortest_m = 50.0;                           // less is a yard or an error
+constexpr double same_path_m = 15.0, least_path_cos = 0.866;  // two traces of one path: 15 m and 30 degrees
+constexpr double step_m = 2.0;                                // between the points of a trace that are looked at
 constexpr double onwards_m = 60.0;    // so far a trace is followed to the road where it leaves it
 constexpr double along_m = 8.0;       // that near and parallel it is on the road already
 constexpr double at_node_m = 5.0;     // nearer to a node of the road: that one
@@ -30,7 +30,7 @@ constexpr double new_width_m = 4.5;  // between a track's 3.5 m and the 5.5 m of
 const char* const new_highway = "track";  // what maps lack is small; it gives way where it meets a road
 
 /// A trace at even steps. A point is open while no road is known there.
-struct Walk {
+struct TraceWalk {
   Polyline line;
   std::vector<Vec2> direction;
   std::vector<bool> seen, open;  // inside the evidence
@@ -44,8 +44,8 @@ struct Stretch {
   [[nodiscard]] double length_m() const { return step_m * static_cast<double>(last - first); }
 };
 
-Walk walk_of(const MovingTrace& trace, const RoadEvidence& evidence) {
-  Walk walk{.recording = trace.recording};
+TraceWalk walk_of(const MovingTrace& trace, const RoadEvidence& evidence) {
+  TraceWalk walk{.recording = trace.recording};
   const std::vector<double> s = arc_lengths_m(trace.line);
   std::size_t k = 0;
   for (double at = 0.0; at <= s.back(); at += step_m) {
@@ -116,12 +116,12 @@ class KnownRoads {
 };
 
 /// Ends a stretch where it comes back to itself: the driver turned round, or drove another lap.
-void cut_at_return(const Walk& walk, Stretch& stretch) {
+void cut_at_return(const TraceWalk& walk, Stretch& stretch) {
   const auto lap = static_cast<std::size_t>(lap_m / step_m);
   for (std::size_t i = stretch.first; i <= stretch.last; ++i)
     for (std::size_t k = stretch.first; k < i; ++k) {
       const double alignment = dot(walk.direction[i], walk.direction[k]);
-      const bool back = alignment<-least_alignment, again = alignment> least_alignment && i - k > lap;
+      const bool back = alignment<-least_path_cos, again = alignment> least_path_cos && i - k > lap;
       if (!(back || again) || distance(walk.line[i], walk.line[k]) >= same_path_m) continue;
       stretch.last = i;
       if (again)
@@ -131,8 +131,8 @@ void cut_at_return(const Walk& walk, Stretch& stretch) {
 }
 
 /// The longest open stretch of a walk, none when that is too short.
-std::optional<Stretch> longest_stretch(const std::vector<Walk>& walks, std::size_t w) {
-  const Walk& walk = walks[w];
+std::optional<Stretch> longest_stretch(const std::vector<TraceWalk>& walks, std::size_t w) {
+  const TraceWalk& walk = walks[w];
   std::optional<Stretch> longest;
   for (std::size_t first = 0; first < walk.open.size(); ++first) {
     if (!walk.open[first]) continue;
@@ -146,8 +146,8 @@ std::optional<Stretch> longest_stretch(const std::vector<Walk>& walks, std::size
 }
 
 /// Closes what runs within 15 m and 30 degrees of a stretch, and the stretch itself. Returns the walks that changed.
-std::set<std::size_t> close_along(std::vector<Walk>& walks, const Stretch& stretch) {
-  const Walk taken = walks[stretch.walk];
+std::set<std::size_t> close_along(std::vector<TraceWalk>& walks, const Stretch& stretch) {
+  const TraceWalk taken = walks[stretch.walk];
   const Polyline line(taken.line.begin() + static_cast<std::ptrdiff_t>(stretch.first),
                       taken.line.begin() + static_cast<std::ptrdiff_t>(stretch.last) + 1);
   const Box2 box = bounds_of(line).grown(same_path_m);
@@ -155,12 +155,12 @@ std::set<std::size_t> close_along(std::vector<Walk>& walks, const Stretch& stret
   std::set<std::size_t> changed{stretch.walk};
   for (std::size_t w = 0; w < walks.size(); ++w)
     for (std::size_t i = 0; i < walks[w].line.size(); ++i) {
-      Walk& walk = walks[w];
+      TraceWalk& walk = walks[w];
       if (!walk.open[i] || !box.contains(walk.line[i])) continue;
       const auto near = index.near(walk.line[i], same_path_m);
       const bool along = std::ranges::any_of(near, [&](const SegmentIndex::Segment& at) {
         return distance_to_segment(line[at.index], line[at.index + 1], walk.line[i]) <= same_path_m &&
-               std::abs(dot(taken.direction[stretch.first + at.index], walk.direction[i])) >= least_alignment;
+               std::abs(dot(taken.direction[stretch.first + at.index], walk.direction[i])) >= least_path_cos;
       });
       if (along) walk.open[i] = false, changed.insert(w);
     }
@@ -173,7 +173,7 @@ struct Arrival {
   std::size_t point = 0;  ///< of the walk
   std::size_t path = 0;
 };
-std::optional<Arrival> follow_to_road(const Walk& walk, std::size_t from, bool forwards, const KnownRoads& known) {
+std::optional<Arrival> follow_to_road(const TraceWalk& walk, std::size_t from, bool forwards, const KnownRoads& known) {
   constexpr double near_enough_m = 1.0;
   struct Step {
     std::size_t point, path;
@@ -192,7 +192,7 @@ std::optional<Arrival> follow_to_road(const Walk& walk, std::size_t from, bool f
     }
     steps.push_back({i, place->path, place->distance_m});
     nearest_m = std::min(nearest_m, place->distance_m);
-    if (place->distance_m < along_m && std::abs(dot(place->direction, walk.direction[i])) > least_alignment) break;
+    if (place->distance_m < along_m && std::abs(dot(place->direction, walk.direction[i])) > least_path_cos) break;
   }
   for (const Step& step : steps)
     if (step.distance_m <= nearest_m + near_enough_m) return Arrival{step.point, step.path};
@@ -265,7 +265,7 @@ struct NewPath {
   int joined = 0;  ///< ends that meet a road, or the path itself
 };
 
-NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& known, RoadNetwork& roads,
+NewPath make_path(const TraceWalk& walk, const Stretch& stretch, const KnownRoads& known, RoadNetwork& roads,
                   std::int64_t& next_node) {
   std::optional<Arrival> start, end;
   if (stretch.onto != stretch.first) start = follow_to_road(walk, stretch.first, false, known);
@@ -298,14 +298,14 @@ NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& kn
 }
 
 /// Recordings that run along at least half of a stretch.
-std::size_t recordings_along(const std::vector<Walk>& walks, const SegmentIndex& index, const Stretch& stretch) {
-  const Walk& taken = walks[stretch.walk];
+std::size_t recordings_along(const std::vector<TraceWalk>& walks, const SegmentIndex& index, const Stretch& stretch) {
+  const TraceWalk& taken = walks[stretch.walk];
   std::map<std::size_t, std::size_t> points;
   for (std::size_t i = stretch.first; i <= stretch.last; ++i) {
     std::set<std::size_t> here;
     for (const auto [w, k] : index.near(taken.line[i], same_path_m + step_m))
       if (distance(walks[w].line[k], taken.line[i]) <= same_path_m + step_m &&
-          std::abs(dot(walks[w].direction[k], taken.direction[i])) >= least_alignment)
+          std::abs(dot(walks[w].direction[k], taken.direction[i])) >= least_path_cos)
         here.insert(walks[w].recording);
     for (const std::size_t recording : here) ++points[recording];
   }
@@ -319,15 +319,15 @@ RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evi
                                  const std::vector<MovingTrace>& traces, Findings& findings) {
   RoadNetwork roads = osm;
   KnownRoads known(osm);
-  std::vector<Walk> walks;
+  std::vector<TraceWalk> walks;
   for (const MovingTrace& trace : traces) {
-    Walk walk = walk_of(trace, evidence);
+    TraceWalk walk = walk_of(trace, evidence);
     for (std::size_t i = 0; i < walk.line.size(); ++i)
       walk.open.push_back(walk.seen[i] && length(walk.direction[i]) > 0.0 && !known.road_within(walk.line[i], apart_m));
     walks.push_back(std::move(walk));
   }
   std::vector<Polyline> lines;
-  for (const Walk& walk : walks) lines.push_back(walk.line);
+  for (const TraceWalk& walk : walks) lines.push_back(walk.line);
   const SegmentIndex index(lines);
   std::vector<std::optional<Stretch>> candidates;
   for (std::size_t w = 0; w < walks.size(); ++w) candidates.push_back(longest_stretch(walks, w));

@@ -213,12 +213,12 @@ void add_wms_layers(const pugi::xml_node& node, const WmsLayer& parent, int leve
   for_children(node, "Layer", [&](const pugi::xml_node& below) { add_wms_layers(below, layer, level + 1, into); });
 }
 
-std::string lower(std::string text) {
+std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
+std::size_t name_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -275,7 +275,7 @@ WmsCapabilities parse_wms_capabilities(std::string_view xml, const std::string& 
 }
 
 std::string crs_code_of(const std::string& text) {
-  const std::string name = lower(text);
+  const std::string name = lower_case(text);
   if (name.find("crs84") != std::string::npos) return "OGC:CRS84";
   if (name.find("epsg") == std::string::npos) return {};
   std::size_t end = name.find_last_of("0123456789");
@@ -289,13 +289,13 @@ std::string crs_code_of(const std::string& text) {
 }
 
 std::vector<std::string> by_likeness(std::vector<std::string> names, const std::string& wanted) {
-  const std::string target = lower(wanted).substr(0, 200);
+  const std::string target = lower_case(wanted).substr(0, 200);
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (std::string& name : names) {
-    const std::string other = lower(name).substr(0, 200);
+    const std::string other = lower_case(name).substr(0, 200);
     const bool part = !target.empty() && !other.empty() &&
                       (other.find(target) != std::string::npos || target.find(other) != std::string::npos);
-    ranked.emplace_back(part ? 1 : edit_distance(target, other) + 1, std::move(name));
+    ranked.emplace_back(part ? 1 : name_distance(target, other) + 1, std::move(name));
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> result;

@@ -16,7 +16,7 @@
 namespace orthodrive::remote {
 namespace {
 namespace fs = std::filesystem;
-constexpr double margin_m = 300.0;  // houses and trees stand beyond the last road
+constexpr double osm_margin_m = 300.0;  // houses and trees stand beyond the last road
 
 void check_suffix(const FetchSource& source) {
   const std::string name = source.to.filename().string();
@@ -55,7 +55,7 @@ void take_counts(const io::CutOsm& cut, const FetchJob& job, FetchOutcome& outco
 
 FetchOutcome fetch_osm_extract(const FetchJob& job, SourceRecord& record) {
   check_suffix(job.source);
-  const Box2 box = lonlat_box(job.site, margin_m, job.source.to_text);
+  const Box2 box = lonlat_box(job.site, osm_margin_m, job.source.to_text);
   const std::string url = job.secrets.resolve(job.source.url);
   FetchOutcome outcome;
   const bool remote = is_http(url);
@@ -112,7 +112,7 @@ std::string wrong_answer(const HttpReply& reply) {
 
 FetchOutcome fetch_overpass(const FetchJob& job, SourceRecord& record) {
   check_suffix(job.source);
-  const Box2 box = lonlat_box(job.site, margin_m, job.source.to_text);
+  const Box2 box = lonlat_box(job.site, osm_margin_m, job.source.to_text);
   FetchOutcome outcome;
   const double degrees2 = box.width() * box.height();
   if (degrees2 > 0.25)

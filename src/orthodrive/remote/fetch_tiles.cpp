@@ -16,7 +16,7 @@
 namespace orthodrive::remote {
 namespace {
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 std::string wrong_picture(const HttpReply& reply, const TileMatrix& matrix) {
   if (io::image_format(reply.body).empty()) {
@@ -85,7 +85,7 @@ class TileRun {
   }
   void idle() {
     store_.keep();
-    const auto now = Clock::now();
+    const auto now = SteadyClock::now();
     if (!job_.monitor || now - last_said_ < std::chrono::milliseconds(200)) return;
     last_said_ = now;
     const double seconds = std::chrono::duration<double>(now - begun_).count(),
@@ -102,7 +102,7 @@ class TileRun {
   std::vector<std::size_t> wanted_;  ///< indices of the plan's tiles
   std::size_t next_ = 0, done_ = 0, failed_ = 0;
   std::string first_failure_;
-  Clock::time_point begun_ = Clock::now(), last_said_ = begun_;
+  SteadyClock::time_point begun_ = SteadyClock::now(), last_said_ = begun_;
 };
 
 fs::path store_file(const FetchSource& source) {
@@ -196,7 +196,7 @@ void write_mosaic(const FetchJob& job, const TilePlan& plan, const TileStore& st
       });
 }
 
-void check_suffix(const FetchSource& source, const TilePlan& plan) {
+void check_tile_suffix(const FetchSource& source, const TilePlan& plan) {
   const std::string suffix = source.to.extension().string();
   if (suffix == ".mbtiles" && !plan.zoom)
     throw OptionError(
@@ -233,7 +233,7 @@ void remove_tile_store(const FetchSource& source) {
 
 FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
   const TilePlan plan = plan_tiles(job.source, job.site, job.client, job.secrets);
-  check_suffix(job.source, plan);
+  check_tile_suffix(job.source, plan);
   FetchOutcome outcome{.tiles = static_cast<std::int64_t>(plan.tiles.size())};
   const std::string level = plan.zoom ? fmt::format("zoom {}", *plan.zoom)
                                       : fmt::format("level {} of {}", plan.matrix.identifier, plan.matrix_set);
@@ -248,9 +248,9 @@ FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
   {
     TileStore store(store_file(job.source), plan.identity);
     TileRun run(job, plan, store, take_over(job, plan, store));
-    const auto begun = Clock::now();
+    const auto begun = SteadyClock::now();
     if (run.wanted() > 0) run.run(outcome);
-    const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+    const double seconds = std::chrono::duration<double>(SteadyClock::now() - begun).count();
     format = look_through(plan, store, outcome, record);
     if (!format.empty()) {
       job.about_to_place();

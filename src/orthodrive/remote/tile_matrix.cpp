@@ -14,7 +14,7 @@ struct Range {
 };
 
 /// Of tiles of that size from `first`, those that [low, high] has a part of, clipped to `count` tiles.
-Range range_of(double low, double high, double tile, std::int64_t count) {
+Range span_of(double low, double high, double tile, std::int64_t count) {
   const auto limited = [&](double value) {
     return static_cast<std::int64_t>(std::clamp(value, 0.0, static_cast<double>(count)));
   };
@@ -26,8 +26,8 @@ struct Ranges {
   Range columns, rows;
 };
 Ranges ranges_of(const TileMatrix& m, const Box2& box) {
-  return {range_of(box.min_x - m.left, box.max_x - m.left, m.resolution * m.tile_width, m.columns),
-          range_of(m.top - box.max_y, m.top - box.min_y, m.resolution * m.tile_height, m.rows)};
+  return {span_of(box.min_x - m.left, box.max_x - m.left, m.resolution * m.tile_width, m.columns),
+          span_of(m.top - box.max_y, m.top - box.min_y, m.resolution * m.tile_height, m.rows)};
 }
 
 /// Clips the segment to the box (Liang and Barsky): whether a part is left.

@@ -12,7 +12,7 @@
 namespace orthodrive::remote {
 namespace {
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using StoreClock = std::chrono::steady_clock;
 
 StoredTile tile_of(const Statement& row, int first) {
   return {row.integer(first) != 0, row.text(first + 1), row.text(first + 2), row.text(first + 3)};
@@ -38,7 +38,7 @@ struct TileStore::State {
   Database db;
   std::optional<Statement> has, get, put;
   bool in_batch = false;
-  Clock::time_point begun;
+  StoreClock::time_point begun;
 };
 
 TileStore::TileStore(const fs::path& file, const std::string& plan) {
@@ -83,14 +83,14 @@ std::optional<StoredTile> TileStore::get(TileAddress tile) const {
 void TileStore::put(TileAddress tile, const StoredTile& stored) {
   if (!state_->in_batch) {
     state_->db.run("BEGIN");
-    state_->in_batch = true, state_->begun = Clock::now();
+    state_->in_batch = true, state_->begun = StoreClock::now();
   }
   state_->put->bind(1, tile.row).bind(2, tile.column).bind(3, stored.missing ? 1 : 0);
   state_->put->bind_blob(4, stored.bytes).bind_text(5, stored.etag).bind_text(6, stored.last_modified).run();
 }
 
 void TileStore::keep(bool now) {
-  if (!state_->in_batch || (!now && Clock::now() - state_->begun < std::chrono::seconds(1))) return;
+  if (!state_->in_batch || (!now && StoreClock::now() - state_->begun < std::chrono::seconds(1))) return;
   state_->in_batch = false;
   state_->db.run("COMMIT");
 }

@@ -8,10 +8,10 @@
 
 namespace orthodrive {
 namespace {
-constexpr int overview_px = 1400, close_up_px = 640;
+constexpr int site_overview_px = 1400, close_up_px = 640;
 constexpr Color white{255, 255, 255}, orange{255, 122, 0}, yellow{255, 225, 60}, blue{40, 150, 255}, black{0, 0, 0};
 
-int pixels_for(const Box2& box) { return std::max(box.width(), box.height()) > 600.0 ? overview_px : close_up_px; }
+int pixels_for(const Box2& box) { return std::max(box.width(), box.height()) > 600.0 ? site_overview_px : close_up_px; }
 
 bool near(const RoadPath& path, const Box2& box) {
   return std::any_of(path.nodes.begin(), path.nodes.end(), [&](const RoadNode& n) { return box.contains(n.p); });

@@ -327,7 +327,7 @@ std::string stage_section(const SiteReportView& in) {
   return "<h2>Seconds and memory</h2>\n" + html_table({"stage", "seconds", "peak MB", ""}, rows);
 }
 
-std::string headline(const SiteReportView& in) {
+std::string site_headline(const SiteReportView& in) {
   double road_m = 0.0, seconds = 0.0;
   for (const RoadPath& path : in.roads.paths) road_m += length_m(centerline(path));
   std::size_t findings = 0;
@@ -356,7 +356,7 @@ std::string site_report_html(const SiteReportView& in) {
       "<title>{0} - Orthodrive</title><style>{1}</style>\n<header><div><h1>{0}</h1><p>A drivable environment from an "
       "orthophoto, "
       "OpenStreetMap and a terrain model</p><div class=tiles>{2}</div></div></header>\n<main>\n",
-      escape_xml(in.name), html_style, headline(in));
+      escape_xml(in.name), html_style, site_headline(in));
   html += source_section(in, box) + segment_section(in, box) + refine_section(in, box) + elevate_section(in, box);
   html += network_section(in, box) + scene_section(in) + drive_section(in) + score_section(in) + findings_section(in) +
           stage_section(in);

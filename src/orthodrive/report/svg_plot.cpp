@@ -360,7 +360,7 @@ std::array<std::uint8_t, 3> share_color(double share) {
 
 namespace {
 /// 0.034 -> "3.4"; what rounds to nothing stays empty.
-std::string percent(double share) { return share < 0.0005 ? "" : fmt::format("{:.1f}", 100.0 * share); }
+std::string bare_percent(double share) { return share < 0.0005 ? "" : fmt::format("{:.1f}", 100.0 * share); }
 
 void append_share_bar(std::string& svg, double left, double top, double width) {
   constexpr int steps = 100;
@@ -408,8 +408,8 @@ std::string svg_share_matrix(std::span<const std::string> names, std::span<const
                               : fmt::format("{} -> {}: {:.2f} %", names[row], names[col], 100.0 * share));
       svg += "</title></rect>";
       const bool dark = 2 * color[0] + 3 * color[1] + color[2] < 800;
-      if (has_room && !empty && !percent(share).empty())
-        text(svg, x + 0.5 * cell, y + 0.5 * cell + 4, "middle", dark ? "#fff" : ink, percent(share));
+      if (has_room && !empty && !bare_percent(share).empty())
+        text(svg, x + 0.5 * cell, y + 0.5 * cell + 4, "middle", dark ? "#fff" : ink, bare_percent(share));
     }
   for (std::size_t i = 0; i < n; ++i)
     fmt::format_to(

@@ -23,7 +23,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* raw_color = "#b9cfe0";
 constexpr const char* smooth_color = "#0072b2";
 // Okabe and Ito's palette as in svg_plot.cpp: a validation keeps its colour on all plots.
-constexpr std::array palette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+constexpr std::array curve_colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
 /// Fields of a CSV line; a quoted field may hold commas and doubled quotes.
 std::vector<std::string> split_csv(std::string_view line) {
@@ -124,7 +124,7 @@ std::vector<Validation> validations_of(std::span<const TrainReport> rows) {
     if (row.validation.empty()) continue;
     auto it = std::find_if(all.begin(), all.end(), [&](const Validation& v) { return v.name == row.validation; });
     if (it == all.end())
-      it = all.insert(all.end(), Validation{row.validation, palette[all.size() % palette.size()], {}});
+      it = all.insert(all.end(), Validation{row.validation, curve_colors[all.size() % curve_colors.size()], {}});
     it->rows.push_back(&row);
     const double iou = row.mean_iou.value_or(nan);
     if (std::isfinite(iou) && (!it->best || iou > *it->best->mean_iou)) it->best = &row;

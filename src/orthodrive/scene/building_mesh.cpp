@@ -20,7 +20,8 @@ constexpr double bay_m = 3.2;      // distance of windows
 constexpr double min_bay_m = 1.6;  // shorter walls have none
 constexpr double proud_m = 0.03;   // of doors before walls
 constexpr double chimney_m = 1.1, chimney_along_m = 0.7, chimney_across_m = 0.45, chimney_sunk_m = 0.6;
-constexpr LinearColor soffit_wood = {0.30F, 0.28F, 0.25F}, steel = {0.30F, 0.31F, 0.32F}, brick = {0.25F, 0.09F, 0.06F};
+constexpr LinearColor soffit_wood = {0.30F, 0.28F, 0.25F}, stove_steel = {0.30F, 0.31F, 0.32F},
+                      brick = {0.25F, 0.09F, 0.06F};
 
 Vec3 cross3(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -80,15 +81,16 @@ class FaceBuilder {
                      steps(n.x, normal_steps),
                      steps(n.y, normal_steps),
                      steps(n.z, normal_steps)};
-    for (std::uint32_t at : known_[key])
-      if (std::abs(mesh_.tile_uv[at][0] - uv[0]) < 1e-3F && std::abs(mesh_.tile_uv[at][1] - uv[1]) < 1e-3F) return at;
-    const auto at = static_cast<std::uint32_t>(mesh_.positions.size());
-    known_[key].push_back(at);
+    for (std::uint32_t raised : known_[key])
+      if (std::abs(mesh_.tile_uv[raised][0] - uv[0]) < 1e-3F && std::abs(mesh_.tile_uv[raised][1] - uv[1]) < 1e-3F)
+        return raised;
+    const auto raised = static_cast<std::uint32_t>(mesh_.positions.size());
+    known_[key].push_back(raised);
     mesh_.positions.push_back({f(local.x), f(local.y), f(local.z)});
     mesh_.normals.push_back({f(n.x), f(n.y), f(n.z)});
     mesh_.tile_uv.push_back(uv);
     mesh_.colors.push_back(color_);
-    return at;
+    return raised;
   }
   static Vec3 normal_of(std::span<const Vec3> c) {
     const Vec3 n = cross3(c[1] - c[0], c[2] - c[0]);
@@ -102,20 +104,20 @@ class FaceBuilder {
   PartedTriangles parts_;
 };
 
-Vec3 at(Vec2 p, double z) { return {p.x, p.y, z}; }
+Vec3 raised(Vec2 p, double z) { return {p.x, p.y, z}; }
 
 /// A wall from one corner of the footprint to the next.
 struct Wall {
   Vec2 a, b;  ///< site CRS, the building to the left
   [[nodiscard]] double length_m() const { return distance(a, b); }
   [[nodiscard]] std::array<Vec3, 4> face(double low_z, double high_z) const {
-    return {at(a, low_z), at(b, low_z), at(b, high_z), at(a, high_z)};
+    return {raised(a, low_z), raised(b, low_z), raised(b, high_z), raised(a, high_z)};
   }
   /// A panel before it.
   [[nodiscard]] std::array<Vec3, 4> panel(double from_m, double to_m, double low_z, double high_z) const {
     const Vec2 u = normalized(b - a), out = left_normal(u) * -proud_m;
     const Vec2 p = a + u * from_m + out, q = a + u * to_m + out;
-    return {at(p, low_z), at(q, low_z), at(q, high_z), at(p, high_z)};
+    return {raised(p, low_z), raised(q, low_z), raised(q, high_z), raised(p, high_z)};
   }
 };
 
@@ -147,7 +149,7 @@ std::optional<SurfaceMaterial> windows_on(const PlacedBuilding& building, double
 void add_wall(const PlacedBuilding& building, const Wall& wall, FaceBuilder& faces) {
   const double length_m = wall.length_m();
   const auto windows = windows_on(building, length_m);
-  PictureAt picture{at(wall.a, building.base_z_m)};
+  PictureAt picture{raised(wall.a, building.base_z_m)};
   if (windows) {
     const double bays = std::max(1.0, std::round(length_m / bay_m));
     picture.size_m = {facade_bays * length_m / bays, facade_bays * storey_m(building)};
@@ -268,13 +270,13 @@ void add_walls(const PlacedBuilding& building, BuildingDetail detail, FaceBuilde
     all([&](const Wall& wall) {
       faces.add(building.wall_material,
                 Wall{wall.b, wall.a}.face(building.eaves_z_m - building.parapet_m, building.eaves_z_m),
-                {at(wall.b, building.eaves_z_m)});
+                {raised(wall.b, building.eaves_z_m)});
     });
 }
 
 void add_roof(const PlacedBuilding& building, BuildingDetail detail, FaceBuilder& faces) {
   const bool whole = detail == BuildingDetail::whole;
-  const Vec3 eaves = at(building.middle, building.eaves_z_m - (whole ? building.parapet_m : 0.0));
+  const Vec3 eaves = raised(building.middle, building.eaves_z_m - (whole ? building.parapet_m : 0.0));
   const auto add = [&](const std::array<Vec3, 3>& t, SurfaceMaterial material, const Vec3& from) {
     const std::array<Vec3, 3> corners = {from + t[0], from + t[1], from + t[2]};
     faces.add(material, corners, {from});
@@ -291,7 +293,7 @@ void add_roof(const PlacedBuilding& building, BuildingDetail detail, FaceBuilder
   }
   if (!building.hovers) return;
   faces.set_color(building.wall_color);
-  const Vec3 foot = at(building.middle, building.foot_z_m);
+  const Vec3 foot = raised(building.middle, building.foot_z_m);
   for (const auto& t : make_roof(building.footprint, {}).slopes)
     add({t[0], t[2], t[1]}, SurfaceMaterial::concrete, foot);
 }
@@ -299,14 +301,14 @@ void add_roof(const PlacedBuilding& building, BuildingDetail detail, FaceBuilder
 /// Square posts with one normal a corner.
 void add_posts(const PlacedBuilding& building, FaceBuilder& faces) {
   constexpr double half_m = 0.1;
-  faces.set_color(steel);
+  faces.set_color(stove_steel);
   for (const Vec2 post : building.posts) {
     const Vec2 p = building.middle + post;
     const std::array<Vec2, 4> c = {Vec2{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}};
     for (std::size_t k = 0; k < 4; ++k) {
       const std::array<Vec3, 4> side = {
-          at(p + c[k], building.base_z_m - 0.3), at(p + c[(k + 1) % 4], building.base_z_m - 0.3),
-          at(p + c[(k + 1) % 4], building.foot_z_m + 0.05), at(p + c[k], building.foot_z_m + 0.05)};
+          raised(p + c[k], building.base_z_m - 0.3), raised(p + c[(k + 1) % 4], building.base_z_m - 0.3),
+          raised(p + c[(k + 1) % 4], building.foot_z_m + 0.05), raised(p + c[k], building.foot_z_m + 0.05)};
       faces.add(SurfaceMaterial::concrete, side, {side[0]});
     }
   }
@@ -318,11 +320,13 @@ TriMesh chimney_mesh() {
   const std::array<Vec2, 4> c = {Vec2{-x, -y}, {x, -y}, {x, y}, {-x, y}};
   for (std::size_t k = 0; k < 4; ++k) {
     const Vec2 a = c[k], b = c[(k + 1) % 4];
-    faces.push_back({.corners = {at(a, -chimney_sunk_m), at(b, -chimney_sunk_m), at(b, chimney_m), at(a, chimney_m)},
+    faces.push_back({.corners = {raised(a, -chimney_sunk_m), raised(b, -chimney_sunk_m), raised(b, chimney_m),
+                                 raised(a, chimney_m)},
                      .color = brick});
   }
-  faces.push_back({.corners = {at(c[0], chimney_m), at(c[1], chimney_m), at(c[2], chimney_m), at(c[3], chimney_m)},
-                   .color = {0.05F, 0.05F, 0.05F}});
+  faces.push_back(
+      {.corners = {raised(c[0], chimney_m), raised(c[1], chimney_m), raised(c[2], chimney_m), raised(c[3], chimney_m)},
+       .color = {0.05F, 0.05F, 0.05F}});
   TriMesh mesh{.kind = MeshKind::building};
   add_faces(faces, {}, {}, mesh);
   add_material(SurfaceMaterial::concrete, mesh);

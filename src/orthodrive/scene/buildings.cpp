@@ -20,7 +20,7 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double min_area_m2 = 4.0;      // of a building
+constexpr double min_building_m2 = 4.0;  // of a building
 constexpr double min_shared_m2 = 0.001;  // less is touching
 constexpr double min_told_m2 = 1.0;      // smaller cuts are no finding: maps are drawn by hand
 constexpr double straight_m = 0.02;      // corners that are less than this off a straight wall are none
@@ -78,7 +78,7 @@ void begin_at_corner(Ring& ring) {
 
 /// Without points that lie on the line between their neighbours: they would be corners of roofs.
 Polygon without_straight_corners(Polygon polygon) {
-  std::erase_if(polygon.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < min_area_m2; });
+  std::erase_if(polygon.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < min_building_m2; });
   if (polygon.outer.size() < 3) return polygon;
   begin_at_corner(polygon.outer);
   for (Ring& hole : polygon.holes) begin_at_corner(hole);
@@ -115,7 +115,7 @@ double cut(const MultiPolygon& taken, Outlined& at) {
   if (shared < min_shared_m2) return 0.0;
   const double before = area_m2(footprint);
   footprint = largest(difference_of({footprint}, taken, plan_grid_m));
-  at.stands = footprint.outer.size() >= 3 && area_m2(footprint) >= std::max(0.5 * before, min_area_m2);
+  at.stands = footprint.outer.size() >= 3 && area_m2(footprint) >= std::max(0.5 * before, min_building_m2);
   return shared;
 }
 
@@ -238,7 +238,7 @@ Outlined outline_of(const Building& building, const Ring* around, const Building
   if (!site.area.contains(placed.middle)) return at;
   const Polygon local = moved(building.footprint, placed.middle * -1.0);
   placed.footprint = without_straight_corners(largest(union_of(std::span(&local, 1), plan_grid_m)));
-  at.stands = placed.footprint.outer.size() >= 3 && area_m2(placed.footprint) >= min_area_m2;
+  at.stands = placed.footprint.outer.size() >= 3 && area_m2(placed.footprint) >= min_building_m2;
   if (!at.stands) return at;
   at.style = style_of(building, area_m2(placed.footprint));
   at.low_m = building.has_walls

@@ -14,7 +14,7 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_coarse_vertex = std::numeric_limits<std::uint32_t>::max();
 
 /// All grounds in one list of vertices, each once; roads and terrain have vertices of their own where they meet, which
 /// the simplification takes for the two sides of a seam and moves together.
@@ -123,8 +123,8 @@ Box2 plan_box(const JoinedGround& ground, std::span<const std::uint32_t> corners
   return {west, south, east, north};
 }
 
-std::vector<std::uint32_t> simplify(const JoinedGround& ground, std::span<const std::uint32_t> indices,
-                                    double tolerance_m) {
+std::vector<std::uint32_t> simplify_ground(const JoinedGround& ground, std::span<const std::uint32_t> indices,
+                                           double tolerance_m) {
   std::vector<std::uint32_t> kept(indices.size());
   if (indices.empty()) return kept;
   constexpr std::size_t stride = sizeof(ground.positions[0]);
@@ -137,11 +137,11 @@ std::vector<std::uint32_t> simplify(const JoinedGround& ground, std::span<const 
 
 /// meshoptimizer asks whether a triangle turns over in space: steep ones can fold back in plan. Where one has, the
 /// triangles around are left as they were, and the rest is done again beside them.
-std::vector<std::uint32_t> simplified(const JoinedGround& ground, const CoarseGroundOptions& options) {
+std::vector<std::uint32_t> simplified_ground(const JoinedGround& ground, const CoarseGroundOptions& options) {
   constexpr int most_rounds = 6;
   std::vector<std::uint32_t> free = ground.indices, fixed;
   for (int round = 0; round < most_rounds; ++round) {
-    std::vector<std::uint32_t> kept = simplify(ground, free, options.tolerance_m);
+    std::vector<std::uint32_t> kept = simplify_ground(ground, free, options.tolerance_m);
     std::vector<Box2> folds;
     for (std::size_t i = 0; i < kept.size(); i += 3) {
       const auto corners = std::span(kept).subspan(i, 3);
@@ -165,11 +165,11 @@ std::vector<std::uint32_t> simplified(const JoinedGround& ground, const CoarseGr
 
 TriMesh part_of(const JoinedGround& ground, std::span<const std::uint32_t> indices, MeshKind kind, double side_m) {
   TriMesh mesh{.kind = kind};
-  std::vector<std::uint32_t> slots(ground.positions.size(), no_vertex);
+  std::vector<std::uint32_t> slots(ground.positions.size(), no_coarse_vertex);
   for (std::size_t i = 0; i < indices.size(); i += 3) {
     if ((ground.is_road[indices[i]] != 0) != (kind == MeshKind::road)) continue;
     for (const std::uint32_t v : indices.subspan(i, 3)) {
-      if (slots[v] == no_vertex) {
+      if (slots[v] == no_coarse_vertex) {
         slots[v] = static_cast<std::uint32_t>(mesh.positions.size());
         const auto& p = ground.positions[v];
         mesh.positions.push_back(p);
@@ -189,7 +189,7 @@ CoarseGround coarse_ground(std::span<const SceneTile* const> tiles, const Coarse
   const JoinedGround ground = join(tiles, options.origin);
   CoarseGround result;
   if (ground.indices.empty()) return result;
-  const std::vector<std::uint32_t> kept = simplified(ground, options);
+  const std::vector<std::uint32_t> kept = simplified_ground(ground, options);
   const PlanIndex index(ground, kept, options.side_m);
   for (const auto& p : ground.positions) result.error_m = std::max(result.error_m, index.distance_m(p));
   result.terrain = part_of(ground, kept, MeshKind::terrain, options.side_m);

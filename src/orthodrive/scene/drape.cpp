@@ -9,7 +9,7 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double min_area_m2 = 1e-5;  // smaller pieces are rounding at the edges of triangles
+constexpr double min_drape_m2 = 1e-5;  // smaller pieces are rounding at the edges of triangles
 
 using Corners = std::array<Vec2, 3>;
 
@@ -74,7 +74,7 @@ void cut_at_mesh(const TriMesh& mesh, std::size_t first_index, std::span<const s
       const Corners t = corners(first);
       std::vector<Vec2> part(polygon.begin(), polygon.end());
       for (std::size_t k = 0; k < 3 && part.size() >= 3; ++k) part = left_part(part, t[k], t[(k + 1) % 3]);
-      if (part.size() < 3 || area_m2(part) < min_area_m2) continue;
+      if (part.size() < 3 || area_m2(part) < min_drape_m2) continue;
       draped.clear();
       for (const Vec2 p : part) {
         const auto w = barycentric(t, p);

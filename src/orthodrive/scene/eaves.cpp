@@ -66,10 +66,11 @@ double plan_area(const std::array<Vec3, 3>& t) {
   return (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
 }
 
-Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
+Vec2 plan_of_eave(const Vec3& p) { return {p.x, p.y}; }
 
 bool is_on_line(const Vec3& p, const Vec3& a, const Vec3& b) {
-  return std::abs(cross(normalized(plan(b) - plan(a)), plan(p) - plan(a))) < 2.0 * plan_grid_m;
+  return std::abs(cross(normalized(plan_of_eave(b) - plan_of_eave(a)), plan_of_eave(p) - plan_of_eave(a))) <
+         2.0 * plan_grid_m;
 }
 
 /// Puts points into an edge of one of the triangles.
@@ -93,7 +94,7 @@ struct Moved {
   int planes = 0;
 };
 using MovedPoints = std::map<Key, Moved>;
-constexpr double least_m2 = 1e-4;
+constexpr double least_eave_m2 = 1e-4;
 
 Border border_of(const Roof& roof) {
   Border border;
@@ -128,7 +129,7 @@ bool move_slopes(const Roof& roof, const MovedPoints& moved, Eaves& eaves) {
   for (auto slope : roof.slopes) {
     for (Vec3& p : slope)
       if (const auto found = moved.find(key_of(p)); found != moved.end()) p = found->second.at;
-    if (plan_area(slope) < least_m2) return false;
+    if (plan_area(slope) < least_eave_m2) return false;
     eaves.slopes.push_back(slope);
   }
   return true;
@@ -147,11 +148,13 @@ std::optional<std::vector<Quad>> quads_below(const Border& border, const MovedPo
     const Quad quad{edge[0], edge[1], moved.at(key_of(edge[1])).at, moved.at(key_of(edge[0])).at};
     const auto& [a, b, b_out, a_out] = quad;
     if (!quad.a_moves() && !quad.b_moves()) continue;
-    if (dot(plan(b) - plan(a), plan(b_out) - plan(a_out)) <= 0.0) return std::nullopt;
+    if (dot(plan_of_eave(b) - plan_of_eave(a), plan_of_eave(b_out) - plan_of_eave(a_out)) <= 0.0) return std::nullopt;
     if (is_on_line(a_out, a, b) && is_on_line(b_out, a, b)) {
       // Eaves beside this edge have made the slope's border longer, along the wall that goes on below a part of it.
-      const Vec2 along = plan(b) - plan(a);
-      if (dot(plan(a_out) - plan(a), along) > 0.0 || dot(plan(b_out) - plan(b), along) < 0.0) return std::nullopt;
+      const Vec2 along = plan_of_eave(b) - plan_of_eave(a);
+      if (dot(plan_of_eave(a_out) - plan_of_eave(a), along) > 0.0 ||
+          dot(plan_of_eave(b_out) - plan_of_eave(b), along) < 0.0)
+        return std::nullopt;
       std::vector<Vec3> between;
       if (quad.a_moves()) between.push_back(a);
       if (quad.b_moves()) between.push_back(b);
@@ -194,7 +197,7 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
   if (!below) return as_it_is;
   add_soffits(*below, eaves);
   for (const auto& soffit : eaves.soffits)
-    if (plan_area(soffit) > -least_m2) return as_it_is;
+    if (plan_area(soffit) > -least_eave_m2) return as_it_is;
   return eaves;
 }
 

@@ -22,7 +22,7 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double cell_m = 96.0;  // a tile has whole ones: parts of large areas depend on what is near alone
-constexpr double bay_width_m = 2.5, bay_depth_m = 5.0, aisle_m = 6.0, line_m = 0.1, line_gap_m = 0.15;
+constexpr double bay_width_m = 2.5, bay_depth_m = 5.0, aisle_m = 6.0, bay_line_m = 0.1, bay_line_gap_m = 0.15;
 constexpr double gravel_lift_m = 0.01, path_lift_m = 0.02, parking_lift_m = 0.03;
 constexpr double flat_m = 0.008;       // a cover may leave the terrain's triangles by that: less than it lies over them
 constexpr double line_over_m = 0.006;  // of what it is painted on
@@ -74,16 +74,17 @@ std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& pa
   const Vec2 along = normalized(frame[1] - frame[0]), across = left_normal(along);
   const double length_m = distance(frame[0], frame[1]), width_m = distance(frame[1], frame[2]);
   const auto is_on = [&](Vec2 p) {
-    return contains(part, p) && site.waters.at(p + middle) == nullptr && site.space.around(p + middle, line_m) > 0.0;
+    return contains(part, p) && site.waters.at(p + middle) == nullptr &&
+           site.space.around(p + middle, bay_line_m) > 0.0;
   };
   for (const double row_m : rows_across(width_m)) {
     for (int k = 1; k * bay_width_m < length_m - 0.5 * bay_width_m; ++k) {
       const auto at = [&](double x_m, double y_m) {
         return frame[0] + along * (k * bay_width_m + x_m) + across * (row_m + y_m);
       };
-      const double low_m = line_gap_m, high_m = bay_depth_m - line_gap_m;
-      const std::array<Vec2, 4> line = {at(-0.5 * line_m, low_m), at(0.5 * line_m, low_m), at(0.5 * line_m, high_m),
-                                        at(-0.5 * line_m, high_m)};
+      const double low_m = bay_line_gap_m, high_m = bay_depth_m - bay_line_gap_m;
+      const std::array<Vec2, 4> line = {at(-0.5 * bay_line_m, low_m), at(0.5 * bay_line_m, low_m),
+                                        at(0.5 * bay_line_m, high_m), at(-0.5 * bay_line_m, high_m)};
       const std::array<Vec2, 3> between = {at(0.0, 0.25 * bay_depth_m), at(0.0, 0.5 * bay_depth_m),
                                            at(0.0, 0.75 * bay_depth_m)};
       if (std::ranges::all_of(line, is_on) && std::ranges::all_of(between, is_on)) lines.push_back(line);

@@ -11,10 +11,10 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double max_piece_m = 5.0, chord_error_m = 0.01;
+constexpr double max_kerb_piece_m = 5.0, kerb_chord_error_m = 0.01;
 constexpr double least_lift_m = 0.004;  // over the road where a ramp begins: both would flicker
 constexpr double below_m = 0.03;        // the foot of a face lies in the road
-constexpr double on_edge_m = 1e-6;
+constexpr double on_kerb_edge_m = 1e-6;
 
 LinearColor color_of(KerbLook look) {
   switch (look) {
@@ -79,7 +79,7 @@ std::vector<double> cuts_of(const RaisedLane& raised, double from, double to) {
     double bend = 1e-6;
     for (const double share : {0.0, 0.5, 1.0})
       bend = std::max(bend, std::abs(roadquery::reference_point(raised.road, a + share * (b - a)).curvature));
-    const double step_m = std::clamp(std::sqrt(8.0 * chord_error_m / bend), 0.25, max_piece_m);
+    const double step_m = std::clamp(std::sqrt(8.0 * kerb_chord_error_m / bend), 0.25, max_kerb_piece_m);
     const int parts = std::max(1, static_cast<int>(std::ceil((b - a) / step_m)));
     for (int k = 0; k < parts; ++k) all.push_back(a + (b - a) * k / parts);
   }
@@ -88,13 +88,13 @@ std::vector<double> cuts_of(const RaisedLane& raised, double from, double to) {
 }
 
 /// A part of the cross section from the carriageway outwards.
-struct Strip {
+struct KerbStrip {
   double from_m = 0.0, to_m = 0.0;
   KerbLook look = KerbLook::slabs;
   bool steps_inwards = false, steps_outwards = false;  ///< has a face on that side
 };
 
-std::vector<Strip> strips_of(const RaisedLane& raised) {
+std::vector<KerbStrip> strips_of(const RaisedLane& raised) {
   constexpr double whole_m = 1e6;
   if (raised.is_race()) return {{0.0, whole_m, KerbLook::white, false, true}};
   return {{0.0, kerb_stone_m, KerbLook::stone, true, false}, {kerb_stone_m, whole_m, KerbLook::slabs, false, true}};
@@ -103,7 +103,7 @@ std::vector<Strip> strips_of(const RaisedLane& raised) {
 void add_pieces(const RaisedLane& raised, double from, double to, std::vector<KerbPiece>& pieces) {
   const bool left = raised.lane.id > 0;
   const std::vector<double> cuts = cuts_of(raised, from, to);
-  for (const Strip& strip : strips_of(raised)) {
+  for (const KerbStrip& strip : strips_of(raised)) {
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       std::array<Vec2, 2> start, end;
       std::array<double, 2> low, high;
@@ -151,7 +151,7 @@ class KerbBuilder {
     for (std::size_t i = 0; i < 4; ++i) {
       if (!piece.is_border[i]) continue;
       const Vec2 a = piece.corners[i], along = normalized(piece.corners[(i + 1) % 4] - a);
-      const auto is_on = [&](const DrapedCorner& c) { return std::abs(cross(along, c.p - a)) < on_edge_m; };
+      const auto is_on = [&](const DrapedCorner& c) { return std::abs(cross(along, c.p - a)) < on_kerb_edge_m; };
       for (std::size_t k = 0; k < part.size(); ++k) {
         const DrapedCorner &p = part[k], &q = part[(k + 1) % part.size()];
         if (is_on(p) && is_on(q) && std::max(lift_at(piece, p.p), lift_at(piece, q.p)) > least_lift_m)

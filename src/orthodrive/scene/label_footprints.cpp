@@ -13,8 +13,8 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double known_reach_m = 4.0;  // roofs lean in photos, and maps are a little off
-constexpr double cell_m = 2.5;
-constexpr double min_area_m2 = 40.0, min_width_m = 4.0, min_filled = 0.55;
+constexpr double footprint_cell_m = 2.5;
+constexpr double min_area_m2 = 40.0, min_footprint_width_m = 4.0, min_filled = 0.55;
 constexpr double min_inside = 0.7;  // of a patch in its rectangle
 constexpr double all_filled = 0.9;  // of a rectangle: the corners are only blurred
 constexpr double min_courtyard_m2 = 50.0;
@@ -145,12 +145,12 @@ Polygon right_angled(const std::vector<Vec2>& patch, double pixel_m) {
   Box2 box{west, south, east, north};
   std::erase_if(points, [&](Vec2 p) { return !box.contains(p); });
   const double covered_m2 = static_cast<double>(points.size()) * pixel_m * pixel_m;
-  if (!(std::min(box.width(), box.height()) >= min_width_m)) return {};
+  if (!(std::min(box.width(), box.height()) >= min_footprint_width_m)) return {};
   if (static_cast<double>(points.size()) < min_inside * static_cast<double>(patch.size())) return {};
   const double filled = covered_m2 / (box.width() * box.height());
   if (filled < min_filled) return {};
-  const int columns = std::max(1, static_cast<int>(std::lround(box.width() / cell_m)));
-  const int rows = std::max(1, static_cast<int>(std::lround(box.height() / cell_m)));
+  const int columns = std::max(1, static_cast<int>(std::lround(box.width() / footprint_cell_m)));
+  const int rows = std::max(1, static_cast<int>(std::lround(box.height() / footprint_cell_m)));
   const double width_m = box.width() / columns, height_m = box.height() / rows;
   Raster<int> count(columns, rows);
   for (const Vec2 p : points)

@@ -13,7 +13,7 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double least_width_m = 0.2;    // of lanes: beside narrower ones there is one border for both
-constexpr double sample_step_m = 5.0;    // lanes begin and end within this
+constexpr double cut_step_m = 5.0;       // lanes begin and end within this
 constexpr double end_rounding_m = 1e-6;  // sections count up to their end
 
 /// The border on the outer side of a lane, or for id 0 the middle of the road.
@@ -88,7 +88,7 @@ Vec2 at_joint(Vec2 p, std::span<const Vec2> joint) {
 
 void add_border(const LaneBorder& border, const EndPoints& joints, const LaneCutOptions& options,
                 std::vector<Polyline>& cuts) {
-  const int parts = std::max(1, static_cast<int>(std::ceil((border.end_m - border.start_m) / sample_step_m)));
+  const int parts = std::max(1, static_cast<int>(std::ceil((border.end_m - border.start_m) / cut_step_m)));
   const auto s_of = [&](int k) {
     return k == parts ? border.end_m - end_rounding_m : border.start_m + (border.end_m - border.start_m) * k / parts;
   };

@@ -13,7 +13,7 @@
 namespace orthodrive::scene {
 namespace {
 
-struct Texel {
+struct LeafTexel {
   float shade = 0.0F, warmth = 0.0F;
   bool is_opaque = false;
 };
@@ -29,13 +29,13 @@ class Canvas {
   explicit Canvas(int size_px) : texels_(size_px, size_px) {}
 
   void fill(const PictureBox& box, double shade) {
-    each(box, {0.5, 0.5}, 1.0, [&](Texel& texel, Vec2) { texel = {static_cast<float>(shade), 0.0F, true}; });
+    each(box, {0.5, 0.5}, 1.0, [&](LeafTexel& texel, Vec2) { texel = {static_cast<float>(shade), 0.0F, true}; });
   }
 
   /// Pointed at both ends, lighter along its rib.
   void add(const PictureBox& box, const Leaf& leaf) {
     const Vec2 along{std::cos(leaf.angle_rad), std::sin(leaf.angle_rad)};
-    each(box, leaf.at, leaf.length, [&](Texel& texel, Vec2 p) {
+    each(box, leaf.at, leaf.length, [&](LeafTexel& texel, Vec2 p) {
       const double x = 2.0 * dot(along, p - leaf.at) / leaf.length, y = 2.0 * cross(along, p - leaf.at) / leaf.width;
       if (std::abs(x) >= 1.0 || std::abs(y) > 1.0 - x * x) return;
       const double rib = std::abs(y) < 0.15 ? 0.12 : 0.0, side = y > 0.0 ? 0.06 : -0.06;
@@ -57,13 +57,13 @@ class Canvas {
   [[nodiscard]] Raster<std::uint8_t> picture() const {
     double sum = 0.0;
     std::size_t count = 0;
-    for (const Texel& texel : texels_.data)
+    for (const LeafTexel& texel : texels_.data)
       if (texel.is_opaque) sum += static_cast<double>(texel.shade), ++count;
     const double mean = sum / static_cast<double>(count);
     Raster<std::uint8_t> picture(texels_.width, texels_.height, 4);
     for (int row = 0; row < picture.height; ++row)
       for (int col = 0; col < picture.width; ++col) {
-        const Texel& texel = texels_.at(col, row);
+        const LeafTexel& texel = texels_.at(col, row);
         // Between leaves the picture has their mean: it shows at their rims.
         const double value = surface_texture_mean * (texel.is_opaque ? static_cast<double>(texel.shade) / mean : 1.0);
         for (int channel = 0; channel < 3; ++channel)
@@ -90,7 +90,7 @@ class Canvas {
               Vec2{((col + 0.5) / size - box.u0) / width, ((row + 0.5) / size - box.v0) / height});
   }
 
-  Raster<Texel> texels_;
+  Raster<LeafTexel> texels_;
 };
 
 /// What lies in front is lit, what lies behind is in its shadow.

@@ -12,7 +12,7 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double clearance_m = 0.1, finest_m = 0.25, foot_m = 0.4;
+constexpr double clearance_m = 0.1, finest_m = 0.25, barrier_foot_m = 0.4;
 
 /// Seen along the line: places to the right of it and over the ground, from the right foot over the top to the left.
 struct Profile {
@@ -125,19 +125,19 @@ void sweep(const Polyline& run, const Ground& ground, const Profile& profile, st
   add(last[count - 1], last[count - 2], last[1], last[0]);
 }
 
-Profile profile_of(const MapBarrier& barrier) {
+Profile barrier_profile(const MapBarrier& barrier) {
   const auto height = [&](double otherwise) { return barrier.height_m > 0.0 ? barrier.height_m : otherwise; };
   switch (barrier.kind) {
     case BarrierKind::hedge:
-      return box(-0.4, 0.4, -foot_m, height(1.3), mean_foliage, SurfaceMaterial::foliage);
+      return box(-0.4, 0.4, -barrier_foot_m, height(1.3), mean_foliage, SurfaceMaterial::foliage);
     case BarrierKind::fence:
-      return box(-0.03, 0.03, -foot_m, height(1.2), {0.16F, 0.12F, 0.08F}, SurfaceMaterial::concrete);
+      return box(-0.03, 0.03, -barrier_foot_m, height(1.2), {0.16F, 0.12F, 0.08F}, SurfaceMaterial::concrete);
     case BarrierKind::guard_rail:
       return box(-0.04, 0.04, 0.44, 0.75, {0.30F, 0.31F, 0.32F}, SurfaceMaterial::concrete);
     case BarrierKind::wall:
       break;
   }
-  return box(-0.15, 0.15, -foot_m, height(1.6), {0.30F, 0.28F, 0.26F}, SurfaceMaterial::concrete);
+  return box(-0.15, 0.15, -barrier_foot_m, height(1.6), {0.30F, 0.28F, 0.26F}, SurfaceMaterial::concrete);
 }
 
 TriMesh lamp_mesh() {
@@ -152,7 +152,7 @@ TriMesh lamp_mesh() {
     faces.push_back({.corners = {at(0, high), at(1, high), at(2, high), at(3, high)}, .color = steel});
     faces.push_back({.corners = {at(3, low), at(2, low), at(1, low), at(0, low)}, .color = steel});
   };
-  block(-pole_half_m, pole_half_m, pole_half_m, -foot_m, pole_m);
+  block(-pole_half_m, pole_half_m, pole_half_m, -barrier_foot_m, pole_m);
   block(pole_half_m, arm_m, arm_half_m, pole_m - arm_height_m, pole_m);
   TriMesh mesh{.kind = MeshKind::lamp};
   add_faces(faces, {}, {}, mesh);
@@ -166,7 +166,7 @@ std::vector<StructureFace> barrier_faces(std::span<const MapBarrier> barriers, c
                                          const Ground& ground) {
   std::vector<StructureFace> faces;
   for (const MapBarrier& barrier : barriers) {
-    const Profile profile = profile_of(barrier);
+    const Profile profile = barrier_profile(barrier);
     FreeRuns runs(space, ground, {.half_width_m = profile.corners.front().x});
     for (const Polyline& run : runs.of(barrier.line)) sweep(run, ground, profile, faces);
   }
@@ -176,9 +176,10 @@ std::vector<StructureFace> barrier_faces(std::span<const MapBarrier> barriers, c
 std::vector<StructureFace> track_faces(std::span<const Polyline> tracks, const FreeSpace& space, const Ground& ground) {
   constexpr double top_m = 1.3, foot_half_m = 1.8, height_m = 0.3, gauge_half_m = 0.5 * 1.435, rail_m = 0.07;
   constexpr LinearColor stones = {0.16F, 0.145F, 0.13F}, steel = {0.14F, 0.10F, 0.08F};
-  const Profile ballast{{Vec2{foot_half_m, -foot_m}, {top_m, height_m}, {-top_m, height_m}, {-foot_half_m, -foot_m}},
-                        stones,
-                        SurfaceMaterial::gravel};
+  const Profile ballast{
+      {Vec2{foot_half_m, -barrier_foot_m}, {top_m, height_m}, {-top_m, height_m}, {-foot_half_m, -barrier_foot_m}},
+      stones,
+      SurfaceMaterial::gravel};
   std::vector<StructureFace> faces;
   FreeRuns runs(space, ground, {.half_width_m = foot_half_m, .step_m = 6.0, .room_m = 5.0});
   for (const Polyline& track : tracks) {

@@ -19,7 +19,7 @@ constexpr double on_edge_m = 1.5 * plan_grid_m;
 
 Vec2 plan(const std::array<double, 3>& p) { return {p[0], p[1]}; }
 
-double distance_to(Vec2 p, Vec2 a, Vec2 b) {
+double distance_to_edge(Vec2 p, Vec2 a, Vec2 b) {
   const double length2 = dot(b - a, b - a);
   const double u = length2 > 0.0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0.0;
   return distance(p, a + (b - a) * u);
@@ -173,7 +173,7 @@ std::optional<int> RoadJoints::level_at(Vec2 p) const {
   std::optional<int> lowest;
   for (const std::uint32_t i : index_.near(p, on_edge_m)) {
     const Edge& edge = edges_[i];
-    if (distance_to(p, edge.a, edge.b) <= on_edge_m && (!lowest || edge.level < *lowest)) lowest = edge.level;
+    if (distance_to_edge(p, edge.a, edge.b) <= on_edge_m && (!lowest || edge.level < *lowest)) lowest = edge.level;
   }
   return lowest;
 }
@@ -181,7 +181,8 @@ std::optional<int> RoadJoints::level_at(Vec2 p) const {
 std::optional<MeetingLevels> RoadJoints::inside_at(Vec2 p) const {
   for (const std::uint32_t i : run_index_.near(p, on_edge_m)) {
     const Run& run = runs_[i];
-    if (distance_to(p, run.a, run.b) <= on_edge_m && distance(p, run.a) > on_edge_m && distance(p, run.b) > on_edge_m)
+    if (distance_to_edge(p, run.a, run.b) <= on_edge_m && distance(p, run.a) > on_edge_m &&
+        distance(p, run.b) > on_edge_m)
       return run.levels;
   }
   return std::nullopt;

@@ -23,13 +23,13 @@ constexpr double min_piece_area_m2 = 1e-5;
 constexpr double min_hole_area_m2 = 1.0, min_hole_width_m = 0.15;
 constexpr double end_bulge_m = 2.0 * plan_grid_m;  // survives the plan grid
 
-Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
+Vec2 plan_of_point(const Vec3& p) { return {p.x, p.y}; }
 
 /// The convex hull of the four corners between two sections: unlike the quadrilateral, it is simple where the inner
 /// edge of a tight bend runs backwards.
 Ring piece_ring(const CrossSection& a, const CrossSection& b) {
-  return convex_hull({snap_to_grid(plan(a.left)), snap_to_grid(plan(a.right)), snap_to_grid(plan(b.left)),
-                      snap_to_grid(plan(b.right))});
+  return convex_hull({snap_to_grid(plan_of_point(a.left)), snap_to_grid(plan_of_point(a.right)),
+                      snap_to_grid(plan_of_point(b.left)), snap_to_grid(plan_of_point(b.right))});
 }
 
 /// A point on the reference line just beyond an end: a crown's ridge reaches an open end only if there is a corner.
@@ -83,8 +83,9 @@ std::vector<Polygon> end_pieces(const roadquery::Road& road, const std::vector<C
   for (const auto& [end, outwards] : {std::pair(&strip.front(), -1.0), std::pair(&strip.back(), 1.0)}) {
     const double hdg = roadquery::reference_point(road, end->s_m).hdg;
     const Vec2 step = Vec2{std::cos(hdg), std::sin(hdg)} * (outwards * beyond_m);
-    Ring ring = convex_hull({snap_to_grid(plan(end->left)), snap_to_grid(plan(end->right)),
-                             snap_to_grid(plan(end->left) + step), snap_to_grid(plan(end->right) + step)});
+    Ring ring =
+        convex_hull({snap_to_grid(plan_of_point(end->left)), snap_to_grid(plan_of_point(end->right)),
+                     snap_to_grid(plan_of_point(end->left) + step), snap_to_grid(plan_of_point(end->right) + step)});
     if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
   }
   return pieces;

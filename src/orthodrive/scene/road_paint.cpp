@@ -117,18 +117,18 @@ void add_arrow(const Road& road, const RoadObject& box, std::vector<MarkingPiece
   if (right) arrow.turn(branch, -1.0);
 }
 
-using Place = std::array<double, 2>;  ///< s and t
+using RoadPlace = std::array<double, 2>;  ///< s and t
 
-Place between(const Place& a, const Place& b, double share) {
+RoadPlace between(const RoadPlace& a, const RoadPlace& b, double share) {
   return {a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share};
 }
 
 /// The part of a convex polygon where f is not negative; f is linear.
 template <typename F>
-std::vector<Place> part_where(const std::vector<Place>& polygon, const F& f) {
-  std::vector<Place> part;
+std::vector<RoadPlace> part_where(const std::vector<RoadPlace>& polygon, const F& f) {
+  std::vector<RoadPlace> part;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Place &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const RoadPlace &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
     const double fa = f(a), fb = f(b);
     if (fa >= 0.0) part.push_back(a);
     if ((fa > 0.0 && fb < 0.0) || (fa < 0.0 && fb > 0.0)) part.push_back(between(a, b, fa / (fa - fb)));
@@ -142,10 +142,10 @@ class Hatching {
   Hatching(const Road& road, std::vector<MarkingPiece>& to) : road_(road), to_(to) {}
 
   /// The outline's corners go along one side and back along the other.
-  void add(const std::vector<Place>& outline) {
+  void add(const std::vector<RoadPlace>& outline) {
     const std::size_t count = outline.size();
     for (std::size_t i = 0; i + 1 < count / 2; ++i) {
-      const Place &a = outline[i], &b = outline[i + 1], &c = outline[count - 2 - i], &d = outline[count - 1 - i];
+      const RoadPlace &a = outline[i], &b = outline[i + 1], &c = outline[count - 2 - i], &d = outline[count - 1 - i];
       add_strokes({a, b, c, d});
       // The lines become narrower only where both would meet.
       const double first_m = width_m(a, d) - 2.0 * hatch_border_m, last_m = width_m(b, c) - 2.0 * hatch_border_m;
@@ -154,17 +154,17 @@ class Hatching {
         continue;
       }
       const double share = first_m / (first_m - last_m);
-      const Place ab = between(a, b, share), dc = between(d, c, share);
+      const RoadPlace ab = between(a, b, share), dc = between(d, c, share);
       add_lines(a, ab, dc, d);
       add_lines(ab, b, c, dc);
     }
   }
 
  private:
-  using Quad = std::array<Place, 4>;
+  using Quad = std::array<RoadPlace, 4>;
 
-  static double width_m(const Place& from, const Place& to) { return std::abs(to[1] - from[1]); }
-  void add_lines(const Place& a, const Place& b, const Place& c, const Place& d) {
+  static double width_m(const RoadPlace& from, const RoadPlace& to) { return std::abs(to[1] - from[1]); }
+  void add_lines(const RoadPlace& a, const RoadPlace& b, const RoadPlace& c, const RoadPlace& d) {
     add_line(a, b, c, d);
     add_line(c, d, a, b);
   }
@@ -179,22 +179,22 @@ class Hatching {
     add_piece(road_, quad, to_);
   }
   /// Beside a - b, inside a quadrangle a, b, c, d.
-  void add_line(const Place& a, const Place& b, const Place& c, const Place& d) {
-    const auto inwards = [](const Place& from, const Place& to) {
+  void add_line(const RoadPlace& a, const RoadPlace& b, const RoadPlace& c, const RoadPlace& d) {
+    const auto inwards = [](const RoadPlace& from, const RoadPlace& to) {
       const double width = width_m(from, to);
       return between(from, to, width > 0.0 ? std::min(0.5, hatch_border_m / width) : 0.0);
     };
     add_quad({a, b, inwards(b, c), inwards(a, d)});
   }
   void add_strokes(const Quad& quad) {
-    const auto across = [](const Place& p) { return (p[0] + p[1]) / std::sqrt(2.0); };
-    const std::vector<Place> whole(quad.begin(), quad.end());
+    const auto across = [](const RoadPlace& p) { return (p[0] + p[1]) / std::sqrt(2.0); };
+    const std::vector<RoadPlace> whole(quad.begin(), quad.end());
     double low = across(quad[0]), high = low;
-    for (const Place& p : quad) low = std::min(low, across(p)), high = std::max(high, across(p));
+    for (const RoadPlace& p : quad) low = std::min(low, across(p)), high = std::max(high, across(p));
     constexpr double period_m = hatch_m + hatch_gap_m;
     for (double from = std::floor(low / period_m) * period_m; from < high; from += period_m) {
-      std::vector<Place> part = part_where(whole, [&](const Place& p) { return across(p) - from; });
-      part = part_where(part, [&](const Place& p) { return from + hatch_m - across(p); });
+      std::vector<RoadPlace> part = part_where(whole, [&](const RoadPlace& p) { return across(p) - from; });
+      part = part_where(part, [&](const RoadPlace& p) { return from + hatch_m - across(p); });
       for (std::size_t i = 1; i + 1 < part.size(); i += 2)
         add_quad({part[0], part[i], part[i + 1], part[std::min(i + 2, part.size() - 1)]});
     }

@@ -70,7 +70,7 @@ void keep_between(const std::vector<CrossSection>& samples, std::size_t first, s
   keep_between(samples, worst, last, options, keep);
 }
 
-bool is_finite(const CrossSection& c) {
+bool is_finite_section(const CrossSection& c) {
   return std::isfinite(c.left.x + c.left.y + c.left.z + c.right.x + c.right.y + c.right.z + c.reference.z);
 }
 
@@ -81,7 +81,7 @@ bool has_sections(const roadquery::RoadQuery& query, std::size_t index) {
   if (!(road.length > lane_jump_m) || road.plan.empty() || road.sections.empty() || road.elevation.empty())
     return false;
   const std::vector<double> fixed = breaks(road);
-  return std::all_of(fixed.begin(), fixed.end(), [&](double s) { return is_finite(cut_at(query, index, s)); });
+  return std::all_of(fixed.begin(), fixed.end(), [&](double s) { return is_finite_section(cut_at(query, index, s)); });
 }
 
 std::vector<CrossSection> cross_sections(const roadquery::RoadQuery& query, std::size_t index,

@@ -9,19 +9,19 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double cell_m = 8.0, along_m = 2.0, across_m = 1.0;
+constexpr double tint_cell_m = 8.0, along_m = 2.0, across_m = 1.0;
 constexpr double edge_m = 0.5;  // from the road's edge, whose pixels are half of the verge
 constexpr LinearColor no_photo = {0.12F, 0.12F, 0.12F};
 
-using Cell = std::array<int, 2>;
+using TintCell = std::array<int, 2>;
 
-Cell cell_of(Vec2 p) {
-  return {static_cast<int>(std::floor(p.x / cell_m)), static_cast<int>(std::floor(p.y / cell_m))};
+TintCell cell_of(Vec2 p) {
+  return {static_cast<int>(std::floor(p.x / tint_cell_m)), static_cast<int>(std::floor(p.y / tint_cell_m))};
 }
 
-int brightness(const Rgb& c) { return 2 * c[0] + 5 * c[1] + c[2]; }
+int brightness_of(const Rgb& c) { return 2 * c[0] + 5 * c[1] + c[2]; }
 
-using Samples = std::map<Cell, std::vector<Rgb>>;
+using Samples = std::map<TintCell, std::vector<Rgb>>;
 
 void sample_strip(const std::vector<CrossSection>& strip, const Photo& photo, Samples& samples) {
   for (std::size_t i = 1; i < strip.size(); ++i) {
@@ -66,7 +66,7 @@ LinearColor median_color(std::vector<Rgb>& pixels) {
   if (pixels.empty()) return no_photo;
   const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
   std::nth_element(pixels.begin(), middle, pixels.end(), [](const Rgb& a, const Rgb& b) {
-    return std::pair(brightness(a), a) < std::pair(brightness(b), b);
+    return std::pair(brightness_of(a), a) < std::pair(brightness_of(b), b);
   });
   const auto& linear = linear_values();
   return {linear[(*middle)[0]], linear[(*middle)[1]], linear[(*middle)[2]]};
@@ -87,7 +87,7 @@ RoadTint::RoadTint(std::span<const RoadLevel* const> levels, const Photo& photo)
 }
 
 LinearColor RoadTint::at(Vec2 p) const {
-  const Vec2 at = {p.x / cell_m - 0.5, p.y / cell_m - 0.5};
+  const Vec2 at = {p.x / tint_cell_m - 0.5, p.y / tint_cell_m - 0.5};
   const int x0 = static_cast<int>(std::floor(at.x)), y0 = static_cast<int>(std::floor(at.y));
   LinearColor sum{};
   float total = 0.0F;

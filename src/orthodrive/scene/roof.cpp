@@ -31,8 +31,8 @@ constexpr double right_angle_cosine = 0.21;  // 12 degrees off
 constexpr double gabled_fill = 0.85;         // of the narrowest rectangle around
 constexpr double mansard_share = 0.25, mansard_rise = 0.7;
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Skeleton = CGAL::Straight_skeleton_2<Kernel>;
+using RoofKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Skeleton = CGAL::Straight_skeleton_2<RoofKernel>;
 
 /// Whether rings neither cross nor touch themselves or each other. Overlays give polygons that may touch in points, of
 /// which there is no skeleton.
@@ -134,11 +134,11 @@ Ring ridge_frame(const Polygon& footprint, const RoofWish& wish) {
 }
 
 /// A corner of the profile across a roof: share of the width, share of the rise.
-struct Station {
+struct RoofStation {
   double share, height;
 };
 
-std::vector<Station> profile_of(RoofShape shape) {
+std::vector<RoofStation> profile_of(RoofShape shape) {
   switch (shape) {
     case RoofShape::skillion:
       return {{0.0, 1.0}, {1.0, 0.0}};
@@ -147,7 +147,7 @@ std::vector<Station> profile_of(RoofShape shape) {
     case RoofShape::saltbox:
       return {{0.0, 0.0}, {0.35, 1.0}, {1.0, 0.0}};
     case RoofShape::round: {
-      std::vector<Station> arc;
+      std::vector<RoofStation> arc;
       constexpr int pieces = 6;
       for (int k = 0; k <= pieces; ++k) {
         const double angle = std::numbers::pi * k / pieces;
@@ -163,7 +163,7 @@ std::vector<Station> profile_of(RoofShape shape) {
 /// A roof whose height is a concave function of the share of the way from one side of the frame to the opposite one.
 class ProfileRoof {
  public:
-  ProfileRoof(const Polygon& footprint, const Ring& frame, std::vector<Station> profile, double rise_m)
+  ProfileRoof(const Polygon& footprint, const Ring& frame, std::vector<RoofStation> profile, double rise_m)
       : footprint_(footprint),
         profile_(std::move(profile)),
         rise_m_(rise_m),
@@ -202,7 +202,7 @@ class ProfileRoof {
     const double share = before + behind > 0.0 ? before / (before + behind) : 0.0;
     std::size_t k = 1;
     while (k + 1 < profile_.size() && share > profile_[k].share) ++k;
-    const Station &a = profile_[k - 1], &b = profile_[k];
+    const RoofStation &a = profile_[k - 1], &b = profile_[k];
     const double height = a.height + (b.height - a.height) * (share - a.share) / (b.share - a.share);
     return rise_m_ * height < least_m ? 0.0 : rise_m_ * height;
   }
@@ -255,7 +255,7 @@ class ProfileRoof {
   }
 
   const Polygon& footprint_;
-  std::vector<Station> profile_;
+  std::vector<RoofStation> profile_;
   double rise_m_;
   Vec2 near_, far_, inwards_near_, inwards_far_;
   Raised raised_;
@@ -309,7 +309,7 @@ bool sees_every_edge(Vec2 p, const Ring& ring) {
 }
 
 /// Rings of the footprint's shape one over the other, and the tip. Stations: share of the way in, share of the rise.
-Roof roof_around(const Ring& ring, Vec2 middle, std::span<const Station> rings, double rise_m) {
+Roof roof_around(const Ring& ring, Vec2 middle, std::span<const RoofStation> rings, double rise_m) {
   Roof roof{.rise_m = rise_m};
   const auto at = [&](std::size_t level, std::size_t i) {
     const Vec2 p = ring[i % ring.size()];
@@ -334,7 +334,7 @@ std::optional<Roof> centered_roof(const Polygon& footprint, const RoofWish& wish
   const Vec2 middle = centroid_of(footprint.outer);
   if (!sees_every_edge(middle, footprint.outer)) return std::nullopt;
   const double radius_m = std::sqrt(area_m2(footprint) / std::numbers::pi);
-  std::vector<Station> rings;
+  std::vector<RoofStation> rings;
   double natural_m = radius_m * wish.pitch;
   if (wish.shape == RoofShape::dome) {
     for (const double angle : {0.125, 0.25, 0.375})
@@ -402,15 +402,15 @@ void settle(SkeletonNode& node) {
 
 Roof hipped_roof(const Polygon& footprint, const RoofWish& wish) {
   const auto cgal_ring = [](const Ring& ring) {
-    std::vector<Kernel::Point_2> points;
+    std::vector<RoofKernel::Point_2> points;
     for (const Vec2 p : ring) points.emplace_back(p.x, p.y);
     return points;
   };
-  std::vector<std::vector<Kernel::Point_2>> holes;
+  std::vector<std::vector<RoofKernel::Point_2>> holes;
   for (const Ring& hole : footprint.holes) holes.push_back(cgal_ring(hole));
   const auto outer = cgal_ring(footprint.outer);
   const auto skeleton =
-      CGAL::create_interior_straight_skeleton_2(outer.begin(), outer.end(), holes.begin(), holes.end(), Kernel());
+      CGAL::create_interior_straight_skeleton_2(outer.begin(), outer.end(), holes.begin(), holes.end(), RoofKernel());
   if (!skeleton) return flat_roof(footprint);
   const std::map<int, int> joined = joined_nodes(*skeleton);
   std::map<int, SkeletonNode> nodes;

@@ -101,8 +101,8 @@ void visit_tiles(const std::array<Vec2, 4>& piece, const Visit& visit) {
 }
 
 /// `raised`: the map with the heights of lanes, which that of the level's query lacks.
-void add_kerbs(const RoadLevel& level, const roadquery::RoadQuery& query, const roadquery::RoadMap& raised,
-               LevelLines& lines) {
+void add_level_kerbs(const RoadLevel& level, const roadquery::RoadQuery& query, const roadquery::RoadMap& raised,
+                     LevelLines& lines) {
   for (const roadquery::Road* road : level.roads())
     for (const KerbPiece& piece : kerb_pieces(raised.roads[static_cast<std::size_t>(road - query.map().roads.data())]))
       visit_tiles(piece.corners, [&](TileAddress address) { lines.kerbs[address].push_back(piece); });
@@ -308,7 +308,7 @@ void SceneLayout::lay_roads() {
   const double chord_m = 0.5 * options.road_tolerance_m;
   add_road_crossings(roads, chord_m, ground_lines.on_west, ground_lines.on_south);
   add_markings(roads, ground_lines);
-  add_kerbs(roads, *query, window.roads, ground_lines);
+  add_level_kerbs(roads, *query, window.roads, ground_lines);
   const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
     lines.clear();
     append_rings(level.polygons(), window.box, lines);
@@ -316,7 +316,7 @@ void SceneLayout::lay_roads() {
     LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
     add_road_crossings(level, chord_m, own.on_west, own.on_south);
     add_markings(level, own);
-    add_kerbs(level, *query, window.roads, own);
+    add_level_kerbs(level, *query, window.roads, own);
   };
   for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
   for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);

@@ -12,7 +12,7 @@ namespace orthodrive::scene {
 namespace {
 
 /// Grows to hold points.
-struct Extent {
+struct WindowExtent {
   Box2 box{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            -std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   void add(Vec2 p) {
@@ -23,7 +23,7 @@ struct Extent {
 /// Of all that the road covers: its edges every 10 m, and twice the half width of what may bulge out between.
 Box2 box_of(const roadquery::Road& road) {
   constexpr double step_m = 10.0, most_steps = 1e5;
-  Extent extent;
+  WindowExtent extent;
   double widest_m = 0.0;
   const double steps = std::clamp(std::ceil(road.length / step_m), 1.0, most_steps);
   for (int k = 0; k <= static_cast<int>(steps); ++k) {
@@ -38,7 +38,7 @@ Box2 box_of(const roadquery::Road& road) {
 }
 
 Box2 box_of(const roadquery::Junction& junction) {
-  Extent extent;
+  WindowExtent extent;
   if (junction.surface)
     for (const auto& [x, y] : junction.surface->boundary) extent.add({x, y});
   return extent.box;
@@ -46,7 +46,7 @@ Box2 box_of(const roadquery::Junction& junction) {
 
 template <typename Points>
 bool reaches(const Points& points, const Box2& box) {
-  Extent extent;
+  WindowExtent extent;
   for (const Vec2 p : points) extent.add(p);
   return extent.box.overlaps(box);
 }

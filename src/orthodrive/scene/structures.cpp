@@ -17,11 +17,11 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr LinearColor concrete = {0.36F, 0.35F, 0.33F}, steel = {0.30F, 0.31F, 0.32F};
+constexpr LinearColor concrete = {0.36F, 0.35F, 0.33F}, rail_steel = {0.30F, 0.31F, 0.32F};
 
 constexpr double beam_width_m = 0.5, beam_rise_m = 0.15;  // RIZ-ING Kap: edge beams
 constexpr double railing_m = railing_height_m - beam_rise_m;
-constexpr double bar_m = 0.05, post_step_m = 2.0, post_m = 0.06;  // above the beam
+constexpr double rail_bar_m = 0.05, post_step_m = 2.0, post_m = 0.06;  // above the beam
 constexpr double rail_off_m = 0.75, rail_low_m = 0.44, rail_high_m = 0.75, rail_thick_m = 0.08, rail_post_step_m = 4.0;
 constexpr double longest_span_m = 25.0, pier_m = 0.9, pier_depth_m = 0.6, least_clearance_m = 2.5;
 constexpr double girder_m = 0.5, girder_height_m = 0.7;
@@ -245,9 +245,10 @@ void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& f
     add_beam(run, input.deck_thickness_m, faces);
     faces.are_rails = true;
     const double off_m = 0.5 * beam_width_m, top_m = beam_rise_m + railing_m;
-    for (const double height_m : {top_m - bar_m, beam_rise_m + 0.5 * railing_m, beam_rise_m + 0.12})
-      add_bar(run, off_m - 0.5 * bar_m, off_m + 0.5 * bar_m, height_m, height_m + bar_m, steel, faces);
-    add_posts(input, run, {off_m, post_step_m, beam_rise_m, top_m - bar_m}, steel, faces);
+    for (const double height_m : {top_m - rail_bar_m, beam_rise_m + 0.5 * railing_m, beam_rise_m + 0.12})
+      add_bar(run, off_m - 0.5 * rail_bar_m, off_m + 0.5 * rail_bar_m, height_m, height_m + rail_bar_m, rail_steel,
+              faces);
+    add_posts(input, run, {off_m, post_step_m, beam_rise_m, top_m - rail_bar_m}, rail_steel, faces);
     faces.are_rails = false;
   };
   for (const BorderRun& run : runs_of(deck, [&](const BorderSegment&s, Vec2 outwards) {
@@ -264,9 +265,9 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
                 is_free_beside(input, s, outwards, rail_off_m + 0.5);
        })) {
     for (const BorderRun& part : free_parts(input, run, {rail_off_m, rail_off_m + rail_thick_m + post_m})) {
-      add_bar(part, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, steel, faces);
+      add_bar(part, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, rail_steel, faces);
       add_posts(input, part, {rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05},
-                steel, faces);
+                rail_steel, faces);
     }
   }
 }

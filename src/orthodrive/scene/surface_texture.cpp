@@ -160,7 +160,7 @@ TexelAt lane_asphalt() {
   };
 }
 
-TexelAt concrete() {
+TexelAt concrete_texels() {
   return [grain = Fractal(128, 3, 41), stains = Fractal(8, 5, 42)](double u, double v) {
     const double g = grain.at(u, v);
     return Texel{.shade = 0.07 * stains.at(u, v) + 0.06 * g, .warmth = 0.01, .height_m = 0.0008 * g, .roughness = 0.85};
@@ -422,7 +422,7 @@ TexelAt water() {
 TexelAt texels_of(SurfaceMaterial material) {
   switch (material) {
     case SurfaceMaterial::concrete:
-      return concrete();
+      return concrete_texels();
     case SurfaceMaterial::setts:
       return setts();
     case SurfaceMaterial::gravel:

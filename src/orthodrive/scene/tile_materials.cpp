@@ -15,7 +15,7 @@ namespace {
 
 constexpr double verge_photo_m = 2.0;                            // square of the photo that tints a vertex of the verge
 constexpr LinearColor tunnel_road_tint = {0.11F, 0.11F, 0.11F};  // of asphalt
-constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_tile_vertex = std::numeric_limits<std::uint32_t>::max();
 
 bool is_on_road_border(const SceneLayout& layout, Vec2 p) {
   return layout.roads.outline().nearest(p).distance_m <= 2.0 * plan_grid_m;
@@ -118,12 +118,12 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
   std::vector<char> on_border(terrain.positions.size());
   const auto world = [&](std::uint32_t v) { return center + Vec2{terrain.positions[v][0], terrain.positions[v][1]}; };
   for (std::uint32_t v = 0; v < terrain.positions.size(); ++v) on_border[v] = is_on_road_border(layout, world(v));
-  std::vector<std::uint32_t> slots(terrain.positions.size(), no_vertex);
+  std::vector<std::uint32_t> slots(terrain.positions.size(), no_tile_vertex);
   for (std::size_t i = 0; i < terrain.indices.size(); i += 3) {
     const auto corners = std::span(terrain.indices).subspan(i, 3);
     if (std::ranges::none_of(corners, [&](std::uint32_t v) { return on_border[v] != 0; })) continue;
     for (const std::uint32_t v : corners) {
-      if (slots[v] == no_vertex) {
+      if (slots[v] == no_tile_vertex) {
         slots[v] = static_cast<std::uint32_t>(verge.positions.size());
         verge.positions.push_back(terrain.positions[v]);
         verge.normals.push_back(terrain.normals[v]);

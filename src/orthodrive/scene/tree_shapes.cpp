@@ -18,7 +18,7 @@ constexpr double meant_radius_m = 3.0, meant_height_m = 10.0;
 
 Vec3 in_metres(Vec3 p) { return {p.x * meant_radius_m, p.y * meant_radius_m, p.z * meant_height_m}; }
 Vec3 in_units(Vec3 p) { return {p.x / meant_radius_m, p.y / meant_radius_m, p.z / meant_height_m}; }
-Vec3 cross3(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+Vec3 cross_product(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 Vec3 unit(Vec3 v) {
   const double length = std::hypot(v.x, v.y, v.z);
   return length > 0.0 ? v * (1.0 / length) : Vec3{0.0, 0.0, 1.0};
@@ -79,7 +79,7 @@ class TreeBuilder {
       const Vec3 outwards = unit({way.x / size.x, way.y / size.y, way.z / size.z});
       const auto askew = [&] { return random_.uniform(-0.45, 0.45); };
       const Vec3 normal = unit(outwards + Vec3{askew(), askew(), askew()});
-      const Vec3 u = unit(cross3(normal, unit({askew(), askew(), 1.0}))), v = cross3(normal, u);
+      const Vec3 u = unit(cross_product(normal, unit({askew(), askew(), 1.0}))), v = cross_product(normal, u);
       const double half_m = random_.uniform(0.72, 0.86) * std::min(size.x, 1.25 * size.z);
       const double inside = random_.uniform(0.66, 0.82);
       const Vec3 middle = in_metres(lump.middle) + Vec3{way.x * size.x, way.y * size.y, way.z * size.z} * inside;
@@ -171,7 +171,7 @@ class TreeBuilder {
       const Vec3 a = at(row, 0), b = at(row, columns / 2);
       if (std::hypot(a.x - b.x, a.y - b.y) < 1e-9) return {0.0, 0.0, row == 0 ? -1.0 : 1.0};
     }
-    return unit(cross3(at(row, column + 1) - at(row, column + columns - 1), at(high, column) - at(low, column)));
+    return unit(cross_product(at(row, column + 1) - at(row, column + columns - 1), at(high, column) - at(low, column)));
   }
   void add_vertex(Vec3 p, Vec3 n, const LinearColor& color, Vec2 place) {
     const auto f = [](double v) { return static_cast<float>(v); };

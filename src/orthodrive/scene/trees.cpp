@@ -14,22 +14,22 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double clearance_m = 0.3, min_radius_m = 0.8;
+constexpr double tree_clearance_m = 0.3, min_radius_m = 0.8;
 constexpr double shrub_radius_m = 1.7, single_radius_m = 2.4;
-constexpr float dark = 0.035F;       // linear green of crowns that are conifers more often than not
-constexpr float photo_share = 0.5F;  // of a crown's colour: the rest is that of leaves, whatever light the photo had
-constexpr float sunlit = 1.6F;       // a photo's crowns are half in the shadow
+constexpr float dark_crown = 0.035F;  // linear green of crowns that are conifers more often than not
+constexpr float photo_share = 0.5F;   // of a crown's colour: the rest is that of leaves, whatever light the photo had
+constexpr float sunlit = 1.6F;        // a photo's crowns are half in the shadow
 
 TreeShape shape_of(double radius_m, float green, Random& random) {
   if (radius_m < shrub_radius_m) return TreeShape::shrub;
-  const double conifer = green < dark ? 0.6 : 0.12;
+  const double conifer = green < dark_crown ? 0.6 : 0.12;
   if (random.uniform() < conifer) return random.uniform() < 0.6 ? TreeShape::spruce : TreeShape::pine;
   if (radius_m < 2.6)
     return std::array{TreeShape::birch, TreeShape::oval, TreeShape::birch, TreeShape::cypress}[random.below(4)];
   return std::array{TreeShape::round, TreeShape::oval, TreeShape::spreading, TreeShape::birch}[random.below(4)];
 }
 
-double height_m(TreeShape shape, double radius_m, Random& random) {
+double tree_height_m(TreeShape shape, double radius_m, Random& random) {
   constexpr std::array<double, tree_shape_count> over_diameter = {1.6, 1.9, 1.4, 2.4, 2.9, 2.5, 2.6, 0.85};
   const double share = over_diameter[static_cast<std::size_t>(shape)] * random.uniform(0.85, 1.15);
   return std::clamp(2.0 * radius_m * share, shape == TreeShape::shrub ? 0.8 : 3.0, 22.0);
@@ -45,7 +45,8 @@ LinearColor leaf_color(const LinearColor& in_photo) {
 
 /// Nothing where there is no room.
 PlacedTree plant(const TreeCrown& crown, const FreeSpace& space, const Ground& ground, const Photo& photo) {
-  const double radius_m = std::min(crown.radius_m, space.around(crown.at, crown.radius_m + clearance_m) - clearance_m);
+  const double radius_m =
+      std::min(crown.radius_m, space.around(crown.at, crown.radius_m + tree_clearance_m) - tree_clearance_m);
   if (radius_m < min_radius_m) return {};
   const auto cell = [](double v) { return static_cast<std::uint64_t>(std::llround(v / plan_grid_m)); };
   Random random(derive_seed(cell(crown.at.x), cell(crown.at.y)));
@@ -58,7 +59,7 @@ PlacedTree plant(const TreeCrown& crown, const FreeSpace& space, const Ground& g
   tree.color = photo_median(photo, square);
   tree.shape = shape_of(radius_m, tree.color[1], random);
   tree.color = leaf_color(tree.color);
-  tree.height_m = height_m(tree.shape, tree.crown_radius_m, random);
+  tree.height_m = tree_height_m(tree.shape, tree.crown_radius_m, random);
   return tree;
 }
 

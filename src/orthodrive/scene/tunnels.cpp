@@ -15,12 +15,12 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double step_m = 2.0, shortest_roof_m = 6.0, longest_quiet_m = 30.0;
+constexpr double tunnel_step_m = 2.0, shortest_roof_m = 6.0, longest_quiet_m = 30.0;
 constexpr double walkway_m = 0.75, walkway_rise_m = 0.12, slab_m = 0.4, wall_m = 0.4, parapet_m = 0.3;
 constexpr double bevel_m = 0.8;  // of the vault's corners
 constexpr double headwall_rise_m = 0.6, headwall_m = 0.5;
 constexpr double into_road_m = 0.03, below_road_m = 0.1;  // so that no gap shows between a chord and the exact edge
-constexpr double foot_m = 0.3, near_cover_m = 10.0, other_level_m = 1.5, across_step_m = 1.5;
+constexpr double portal_foot_m = 0.3, near_cover_m = 10.0, other_level_m = 1.5, across_step_m = 1.5;
 constexpr LinearColor lining = {0.34F, 0.34F, 0.32F}, wall_concrete = {0.33F, 0.32F, 0.30F};
 
 struct Clearance {
@@ -55,17 +55,18 @@ struct Station {
   }
 };
 
-Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
+Vec2 plan_of_tunnel(const Vec3& p) { return {p.x, p.y}; }
 
 /// Looks from one side of the tube to the other.
 void look_up(const TunnelInput& input, const Clearance& clearance, Station& station) {
-  const double half_m = walkway_m + wall_m, width_m = distance(plan(station.right), plan(station.left)) + 2.0 * half_m;
+  const double half_m = walkway_m + wall_m,
+               width_m = distance(plan_of_tunnel(station.right), plan_of_tunnel(station.left)) + 2.0 * half_m;
   const int steps = std::max(1, static_cast<int>(std::ceil(width_m / across_step_m)));
   station.cover_m = std::numeric_limits<double>::infinity();
   double under_m = station.cover_m;
   for (int k = 0; k <= steps; ++k) {
     const double off_m = width_m * k / steps - half_m;
-    const Vec2 p = plan(station.right) + station.across * off_m;
+    const Vec2 p = plan_of_tunnel(station.right) + station.across * off_m;
     const double share = std::clamp(off_m / (width_m - 2.0 * half_m), 0.0, 1.0);
     const double floor_m = station.right.z + (station.left.z - station.right.z) * share;
     station.cover_m = std::min(station.cover_m, input.ground.height_m(p) - floor_m);
@@ -80,7 +81,7 @@ void look_up(const TunnelInput& input, const Clearance& clearance, Station& stat
 std::vector<Station> stations_of(const TunnelInput& input, std::size_t road) {
   const roadquery::Road& tunnel = input.query.map().roads[road];
   const Clearance clearance = clearance_of(tunnel);
-  const int steps = std::max(1, static_cast<int>(std::ceil(tunnel.length / step_m)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(tunnel.length / tunnel_step_m)));
   std::vector<Station> stations;
   for (int i = 0; i <= steps; ++i) {
     const double s = tunnel.length * i / steps;
@@ -90,7 +91,7 @@ std::vector<Station> stations_of(const TunnelInput& input, std::size_t road) {
     station.s_m = s;
     station.right = {cut->right[0], cut->right[1], cut->right[2]};
     station.left = {cut->left[0], cut->left[1], cut->left[2]};
-    station.across = normalized(plan(station.left) - plan(station.right));
+    station.across = normalized(plan_of_tunnel(station.left) - plan_of_tunnel(station.right));
     look_up(input, clearance, station);
   }
   // The slab below a road ends beside it.
@@ -117,20 +118,22 @@ std::vector<Station> stations_of(const TunnelInput& input, std::size_t road) {
 }
 
 /// Between two stations.
-struct Piece {
+struct TunnelPiece {
   const Station &from, &to;
   bool is_first = false, is_last = false;  ///< of the road
   [[nodiscard]] bool is_open() const { return from.is_open || to.is_open; }
   [[nodiscard]] bool is_roofed() const { return from.is_roofed() && to.is_roofed(); }
   [[nodiscard]] Vec2 middle() const {
-    return (plan(from.right) + plan(from.left) + plan(to.right) + plan(to.left)) * 0.25;
+    return (plan_of_tunnel(from.right) + plan_of_tunnel(from.left) + plan_of_tunnel(to.right) +
+            plan_of_tunnel(to.left)) *
+           0.25;
   }
 };
 
 /// With the points of joints at the ends of the road, so that it has edges in common with the road beyond.
-Polygon opening_of(const Piece& piece, std::span<const Vec2> at_start, std::span<const Vec2> at_end) {
+Polygon opening_of(const TunnelPiece& piece, std::span<const Vec2> at_start, std::span<const Vec2> at_end) {
   const auto corner = [](const Station& s, bool is_left) {
-    return snap_to_grid(plan(s.beside(is_left, walkway_m, 0.0)));
+    return snap_to_grid(plan_of_tunnel(s.beside(is_left, walkway_m, 0.0)));
   };
   const Vec2 from_right = corner(piece.from, false), from_left = corner(piece.from, true),
              to_right = corner(piece.to, false), to_left = corner(piece.to, true);
@@ -144,7 +147,7 @@ class TunnelFaces {
  public:
   TunnelFaces(const TunnelInput& input, const RoadLevel& level) : input_(input), level_(level) {}
 
-  void add(const Piece& piece) {
+  void add(const TunnelPiece& piece) {
     for (const bool is_left : {false, true}) {
       if (!is_free_beside(piece, is_left)) continue;
       add_walkway(piece, is_left);
@@ -161,22 +164,21 @@ class TunnelFaces {
     for (double share = 0.0; share <= 1.0; share += 0.25) {
       const Vec3 a = station.on_right(walkway_m + wall_m, 0.0), b = station.on_left(walkway_m + wall_m, 0.0);
       for (const double in_m : {0.0, headwall_m})
-        top_z = std::max(top_z, input_.ground.height_m(plan(a) + (plan(b) - plan(a)) * share + inwards * in_m));
+        top_z =
+            std::max(top_z, input_.ground.height_m(plan_of_tunnel(a) + (plan_of_tunnel(b) - plan_of_tunnel(a)) * share +
+                                                   inwards * in_m));
     }
     top_z = std::max(top_z, std::max(station.right.z, station.left.z) + station.vault_m + slab_m) + headwall_rise_m;
     const double vault_m = station.vault_m, side_m = vault_m - bevel_m, edge_m = walkway_m + wall_m;
-    const std::array<Vec3, 8> low = {station.on_right(edge_m, -foot_m),
-                                     station.on_right(walkway_m, -foot_m),
-                                     station.on_right(walkway_m, side_m),
-                                     station.on_right(walkway_m - bevel_m, vault_m),
-                                     station.on_left(walkway_m - bevel_m, vault_m),
-                                     station.on_left(walkway_m, side_m),
-                                     station.on_left(walkway_m, -foot_m),
-                                     station.on_left(edge_m, -foot_m)};
+    const std::array<Vec3, 8> low = {
+        station.on_right(edge_m, -portal_foot_m),      station.on_right(walkway_m, -portal_foot_m),
+        station.on_right(walkway_m, side_m),           station.on_right(walkway_m - bevel_m, vault_m),
+        station.on_left(walkway_m - bevel_m, vault_m), station.on_left(walkway_m, side_m),
+        station.on_left(walkway_m, -portal_foot_m),    station.on_left(edge_m, -portal_foot_m)};
     const auto top = [&](Vec3 p) { return Vec3{p.x, p.y, top_z}; };
     const auto back = [&](Vec3 p) { return Vec3{p.x + inwards.x * headwall_m, p.y + inwards.y * headwall_m, p.z}; };
     for (std::size_t k = 0; k + 1 < low.size(); ++k) {
-      if (plan(low[k]) == plan(low[k + 1])) continue;
+      if (plan_of_tunnel(low[k]) == plan_of_tunnel(low[k + 1])) continue;
       // From right to left; against the road that is from left to right.
       quad(ahead, {low[k + 1], low[k], top(low[k]), top(low[k + 1])}, wall_concrete);
       quad(ahead, {back(low[k]), back(low[k + 1]), back(top(low[k + 1])), back(top(low[k]))}, wall_concrete);
@@ -204,30 +206,31 @@ class TunnelFaces {
     return near(input_.roads) || near(level_);
   }
 
-  [[nodiscard]] bool is_free_beside(const Piece& piece, bool is_left) const {
+  [[nodiscard]] bool is_free_beside(const TunnelPiece& piece, bool is_left) const {
     for (const double off_m : {0.3, walkway_m}) {
       const Vec3 a = piece.from.beside(is_left, off_m, 0.0), b = piece.to.beside(is_left, off_m, 0.0);
       for (const double share : {0.1, 0.5, 0.9})
-        if (is_paved(plan(a) + (plan(b) - plan(a)) * share, a.z + (b.z - a.z) * share)) return false;
+        if (is_paved(plan_of_tunnel(a) + (plan_of_tunnel(b) - plan_of_tunnel(a)) * share, a.z + (b.z - a.z) * share))
+          return false;
     }
     return true;
   }
 
   /// Faces along a profile of places seen from inside, which goes up on the right.
-  void sweep(const Piece& piece, bool is_left, std::span<const Vec2> profile) {
+  void sweep(const TunnelPiece& piece, bool is_left, std::span<const Vec2> profile) {
     for (std::size_t k = 0; k + 1 < profile.size(); ++k) {
       const auto at = [&](const Station& s, std::size_t i) { return s.beside(is_left, profile[i].x, profile[i].y); };
       quad(!is_left, {at(piece.to, k), at(piece.from, k), at(piece.from, k + 1), at(piece.to, k + 1)}, lining);
     }
   }
-  void add_walkway(const Piece& piece, bool is_left) {
+  void add_walkway(const TunnelPiece& piece, bool is_left) {
     const std::array<Vec2, 3> kerb = {
         Vec2{-into_road_m, -below_road_m}, {-into_road_m, walkway_rise_m}, {walkway_m, walkway_rise_m}};
     sweep(piece, is_left, kerb);
     const auto end = [&](const Station& s, bool as_it_is) {
       const auto at = [&](double off_m, double rise_m) { return s.beside(is_left, off_m, rise_m); };
       quad(as_it_is,
-           {at(walkway_m, -foot_m), at(-into_road_m, -foot_m), at(-into_road_m, walkway_rise_m),
+           {at(walkway_m, -portal_foot_m), at(-into_road_m, -portal_foot_m), at(-into_road_m, walkway_rise_m),
             at(walkway_m, walkway_rise_m)},
            lining);
     };
@@ -236,15 +239,15 @@ class TunnelFaces {
     if (piece.is_last) end(piece.to, !is_left);
   }
   /// With the vault's bevelled corner: its height differs from station to station.
-  void add_side(const Piece& piece, bool is_left) {
+  void add_side(const TunnelPiece& piece, bool is_left) {
     const auto at = [&](const Station& s) {
-      return std::array{s.beside(is_left, walkway_m, -foot_m), s.beside(is_left, walkway_m, s.vault_m - bevel_m),
+      return std::array{s.beside(is_left, walkway_m, -portal_foot_m), s.beside(is_left, walkway_m, s.vault_m - bevel_m),
                         s.beside(is_left, walkway_m - bevel_m, s.vault_m)};
     };
     const auto from = at(piece.from), to = at(piece.to);
     for (std::size_t k = 0; k < 2; ++k) quad(!is_left, {to[k], from[k], from[k + 1], to[k + 1]}, lining);
   }
-  void add_vault(const Piece& piece) {
+  void add_vault(const TunnelPiece& piece) {
     const auto right = [](const Station& s) { return s.on_right(walkway_m - bevel_m, s.vault_m); };
     const auto left = [](const Station& s) { return s.on_left(walkway_m - bevel_m, s.vault_m); };
     quad(true, {right(piece.to), right(piece.from), left(piece.from), left(piece.to)}, lining);
@@ -257,17 +260,18 @@ class TunnelFaces {
          wall_concrete);
   }
   /// From below road and ground to a little over both.
-  void add_wall(const Piece& piece, bool is_left) {
+  void add_wall(const TunnelPiece& piece, bool is_left) {
     struct Section {
       std::array<Vec3, 4> corners;  // inner foot, inner top, outer top, outer foot
     };
     const auto section = [&](const Station& s) {
       const double floor_z = s.beside(is_left, 0.0, 0.0).z;
       const Vec3 inner = s.beside(is_left, walkway_m, 0.0), outer = s.beside(is_left, walkway_m + wall_m, 0.0);
-      const double inner_z = input_.ground.height_m(plan(inner)), outer_z = input_.ground.height_m(plan(outer));
+      const double inner_z = input_.ground.height_m(plan_of_tunnel(inner)),
+                   outer_z = input_.ground.height_m(plan_of_tunnel(outer));
       const double high = std::max(inner_z, outer_z), step = std::abs(high - floor_z);
       const double top = std::max(high, floor_z) + std::min(parapet_m, 0.05 + parapet_m * step);
-      const double foot = std::min({floor_z, inner_z, outer_z}) - foot_m;
+      const double foot = std::min({floor_z, inner_z, outer_z}) - portal_foot_m;
       return Section{
           {Vec3{inner.x, inner.y, foot}, {inner.x, inner.y, top}, {outer.x, outer.y, top}, {outer.x, outer.y, foot}}};
     };
@@ -329,7 +333,7 @@ Tunnels build_tunnels(const TunnelInput& input, const MultiPolygon& area) {
       bool was_roofed = stations.front().is_roofed();
       const auto along_at = [&](std::size_t i) { return left_normal(stations[i].across) * -1.0; };
       for (std::size_t i = 0; i + 1 < stations.size(); ++i) {
-        const Piece piece{stations[i], stations[i + 1], i == 0, i + 2 == stations.size()};
+        const TunnelPiece piece{stations[i], stations[i + 1], i == 0, i + 2 == stations.size()};
         if (piece.is_open()) {
           Polygon opening = opening_of(piece, input.joints.across(index).start, input.joints.across(index).end);
           if (opening.outer.size() >= 3) open.push_back(std::move(opening));
@@ -345,8 +349,8 @@ Tunnels build_tunnels(const TunnelInput& input, const MultiPolygon& area) {
           faces.add_portal(stations[i + 1], along_at(i + 1), true);
         for (const double share : {0.0, 0.5, 1.0})
           if (!stations[i].is_open && stations[i].cover_m < near_cover_m)
-            result.ground_points.push_back(plan(stations[i].on_right(walkway_m, 0.0)) * (1.0 - share) +
-                                           plan(stations[i].on_left(walkway_m, 0.0)) * share);
+            result.ground_points.push_back(plan_of_tunnel(stations[i].on_right(walkway_m, 0.0)) * (1.0 - share) +
+                                           plan_of_tunnel(stations[i].on_left(walkway_m, 0.0)) * share);
       }
       find_open_stretches(*road, stations, result.findings);
     }

@@ -11,9 +11,9 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double min_area_m2 = 20.0, shore_reach_m = 2.0;
+constexpr double min_water_m2 = 20.0, shore_reach_m = 2.0;
 constexpr double on_shore_m = 2.0 * plan_grid_m;
-constexpr double cell_m = 128.0;  // of roads that are taken out of water
+constexpr double water_cell_m = 128.0;  // of roads that are taken out of water
 
 MultiPolygon moved_all(const MultiPolygon& polygons, Vec2 by) {
   MultiPolygon result;
@@ -33,9 +33,9 @@ MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, V
   const Box2 needed{input.box.min_x - from.x, input.box.min_y - from.y, input.box.max_x - from.x,
                     input.box.max_y - from.y};
   MultiPolygon parts;
-  for (double x = std::floor(box.min_x / cell_m) * cell_m; x < box.max_x; x += cell_m) {
-    for (double y = std::floor(box.min_y / cell_m) * cell_m; y < box.max_y; y += cell_m) {
-      const Box2 cell{x, y, x + cell_m, y + cell_m};
+  for (double x = std::floor(box.min_x / water_cell_m) * water_cell_m; x < box.max_x; x += water_cell_m) {
+    for (double y = std::floor(box.min_y / water_cell_m) * water_cell_m; y < box.max_y; y += water_cell_m) {
+      const Box2 cell{x, y, x + water_cell_m, y + water_cell_m};
       if (!cell.overlaps(needed)) continue;
       MultiPolygon inside = intersection_of(shores, {polygon_of(cell)}, plan_grid_m);
       if (inside.empty()) continue;
@@ -62,7 +62,7 @@ MultiPolygon shores_of(const Polygon& polygon, const WaterInput& input, const st
     if (!shores.empty() && other.box.min_x <= box.max_x && other.box.max_x >= box.min_x &&
         other.box.min_y <= box.max_y && other.box.max_y >= box.min_y)
       shores = difference_of(shores, moved_all(other.shores, from * -1.0), plan_grid_m);
-  std::erase_if(shores, [](const Polygon& part) { return area_m2(part) < min_area_m2; });
+  std::erase_if(shores, [](const Polygon& part) { return area_m2(part) < min_water_m2; });
   return moved_all(shores, from);
 }
 

@@ -22,7 +22,7 @@ constexpr double min_clothoid_m = 12.0;
 /// Share of a polygon edge that a corner may use when it has a corner on its other end too.
 constexpr double edge_share = 0.46;
 
-Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
+Vec2 unit_vector(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 /// Length of the curve between two parameters inside one piece; Gauss-Legendre over the speed.
 double piece_length_m(const SplineCurve& curve, double from, double to) {
@@ -71,7 +71,8 @@ AlignmentPoint evaluate(const AlignmentElement& e, double ds_m) {
   const double slope = e.length_m > 0.0 ? (e.k_end_1pm - e.k_begin_1pm) / e.length_m : 0.0;
   const auto heading = [&](double s) { return e.heading_rad + s * (e.k_begin_1pm + 0.5 * slope * s); };
   const double curvature = e.k_begin_1pm + slope * ds_m;
-  if (e.k_begin_1pm == 0.0 && e.k_end_1pm == 0.0) return {e.start + unit(e.heading_rad) * ds_m, e.heading_rad, 0.0};
+  if (e.k_begin_1pm == 0.0 && e.k_end_1pm == 0.0)
+    return {e.start + unit_vector(e.heading_rad) * ds_m, e.heading_rad, 0.0};
   // Half a radian a panel keeps the quadrature far below a nanometre.
   const double turn = std::max(std::abs(e.k_begin_1pm), std::abs(curvature)) * std::abs(ds_m);
   const int panels = 1 + static_cast<int>(turn / 0.5);
@@ -80,7 +81,8 @@ AlignmentPoint evaluate(const AlignmentElement& e, double ds_m) {
   for (int i = 0; i < panels; ++i) {
     const double middle = (2 * i + 1) * half;
     for (std::size_t j = 0; j < nodes.size(); ++j)
-      p = p + (unit(heading(middle - half * nodes[j])) + unit(heading(middle + half * nodes[j]))) * (weights[j] * half);
+      p = p + (unit_vector(heading(middle - half * nodes[j])) + unit_vector(heading(middle + half * nodes[j]))) *
+                  (weights[j] * half);
   }
   return {p, heading(ds_m), curvature};
 }
@@ -208,7 +210,7 @@ double nearest_s(const Alignment& alignment, const Polyline& line, Vec2 p) {
   double s = project_onto(line, p).s_m;
   for (int i = 0; i < 20; ++i) {  // Newton on the along-track distance; the chord gave a start within centimetres
     const AlignmentPoint q = evaluate(alignment, s);
-    const Vec2 t = unit(q.heading_rad), d = p - q.p;
+    const Vec2 t = unit_vector(q.heading_rad), d = p - q.p;
     const double step = dot(d, t) / (1.0 - q.curvature_1pm * dot(d, left_normal(t)));
     s += step;
     if (!alignment.closed) s = std::clamp(s, 0.0, alignment.length_m);
@@ -237,7 +239,7 @@ std::vector<AlignmentCrossing> crossings(const Alignment& a, const Polyline& lin
                           b.length_m * (static_cast<double>(j) + v) / static_cast<double>(line_b.size() - 1)};
       for (int k = 0; k < 20; ++k) {  // Newton on p_a(s_a) = p_b(s_b)
         const AlignmentPoint pa = evaluate(a, c.s_a_m), pb = evaluate(b, c.s_b_m);
-        const Vec2 ta = unit(pa.heading_rad), tb = unit(pb.heading_rad), d = pb.p - pa.p;
+        const Vec2 ta = unit_vector(pa.heading_rad), tb = unit_vector(pb.heading_rad), d = pb.p - pa.p;
         const double det = cross(ta, tb);
         c.s_a_m += cross(d, tb) / det, c.s_b_m += cross(d, ta) / det;
         if (length(d) < 1e-11) break;

@@ -10,7 +10,7 @@
 
 namespace orthodrive::synth {
 namespace {
-constexpr double overhang = 0.06;  // as in a village
+constexpr double circuit_overhang = 0.06;  // as in a village
 
 /// Start and finish straight (the first element) in the south, then counter-clockwise; a chicane in the east, a hairpin
 /// in the north, a valley towards the middle where the spectators park.
@@ -120,7 +120,7 @@ std::size_t add_access_road(Planner& planner, std::size_t paddock) {
   const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
   const Alignment& end = planner.plan_.roads[paddock].alignment;
   return planner.add(planner.street("unclassified", "Ringstrasse",
-                                    {corner(-overhang, 0.64, 0, 1),
+                                    {corner(-circuit_overhang, 0.64, 0, 1),
                                      corner(0.03, 0.635, 60, 120),
                                      corner(0.20, 0.62, 50, 80),
                                      corner(0.245, 0.50, 40, 80),

@@ -13,14 +13,14 @@
 
 namespace orthodrive::synth {
 namespace {
-constexpr double pi = std::numbers::pi;
-constexpr double overhang_m = 150.0;       // roads that leave the site go on by this
-constexpr double inner_off_m = 150.0;      // of the road round the track, from its hull
-constexpr double kept_free_m = 70.0;       // round the hull: no woods, no lakes
-constexpr double least_between_m = 500.0;  // from the inner to the outer road round the track
+constexpr double half_turn_rad = std::numbers::pi;
+constexpr double country_overhang_m = 150.0;  // roads that leave the site go on by this
+constexpr double inner_off_m = 150.0;         // of the road round the track, from its hull
+constexpr double kept_free_m = 70.0;          // round the hull: no woods, no lakes
+constexpr double least_between_m = 500.0;     // from the inner to the outer road round the track
 constexpr int ring_corners = 16, spokes = 6;
 
-Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
+Vec2 direction_of(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 /// Drawn in polar coordinates about the middle of the track's hull. Ends of roads lie exactly on the curves that they
 /// meet.
@@ -30,7 +30,8 @@ class CountryPlanner {
       : plan_(plan), random_(derive_seed(seed, 24)), hull_(convex_hull(sample(plan.roads[0].alignment, 10.0))) {
     const Box2 box = bounds_of(hull_);
     middle_ = {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
-    for (int i = 0; i < ring_corners; ++i) reach_m_ = std::max(reach_m_, extent_m(2.0 * pi * i / ring_corners));
+    for (int i = 0; i < ring_corners; ++i)
+      reach_m_ = std::max(reach_m_, extent_m(2.0 * half_turn_rad * i / ring_corners));
   }
 
   void add() {
@@ -41,11 +42,12 @@ class CountryPlanner {
         return 0.5 * (outer_m + std::min(outer_m, extent_m(angle) + inner_off_m + 800.0)) +
                random_.uniform(-30.0, 30.0);
       });
-    const double turn = random_.uniform(0.0, 2.0 * pi / spokes);
-    for (int k = 0; k < spokes; ++k) add_spoke(k, turn + 2.0 * pi * k / spokes + random_.uniform(-0.12, 0.12));
+    const double turn = random_.uniform(0.0, 2.0 * half_turn_rad / spokes);
+    for (int k = 0; k < spokes; ++k)
+      add_spoke(k, turn + 2.0 * half_turn_rad * k / spokes + random_.uniform(-0.12, 0.12));
     for (std::size_t k = 0; k < spokes_.size(); k += 2) add_village(spokes_[k]);
     for (std::size_t k = 0; k < spokes_.size(); ++k) add_lane(spokes_[k], spokes_[(k + 1) % spokes_.size()]);
-    for (std::size_t k = 0; k < spokes_.size(); ++k) add_car_park(spokes_[k].angle + pi / spokes);
+    for (std::size_t k = 0; k < spokes_.size(); ++k) add_car_park(spokes_[k].angle + half_turn_rad / spokes);
     add_farms();
     add_lakes_and_woods(plan_, static_cast<int>(plan_.size_m * plan_.size_m / 2e6), {grown_hull()}, random_);
   }
@@ -60,14 +62,14 @@ class CountryPlanner {
   /// From the middle to the tangent of the hull across a direction: a place so far away lies outside.
   [[nodiscard]] double extent_m(double angle) const {
     double most = 0.0;
-    for (const Vec2 p : hull_) most = std::max(most, dot(p - middle_, unit(angle)));
+    for (const Vec2 p : hull_) most = std::max(most, dot(p - middle_, direction_of(angle)));
     return most;
   }
   [[nodiscard]] Polygon grown_hull() const {
     Ring ring;
     for (int i = 0; i < 2 * ring_corners; ++i) {
-      const double angle = pi * i / ring_corners;
-      ring.push_back(middle_ + unit(angle) * (extent_m(angle) + kept_free_m));
+      const double angle = half_turn_rad * i / ring_corners;
+      ring.push_back(middle_ + direction_of(angle) * (extent_m(angle) + kept_free_m));
     }
     return {ring, {}};
   }
@@ -85,8 +87,8 @@ class CountryPlanner {
   std::size_t add_ring(const std::string& highway, const std::string& name, const Radius& radius_m) {
     std::vector<Corner> corners;
     for (int i = 0; i < ring_corners; ++i) {
-      const double angle = 2.0 * pi * i / ring_corners;
-      corners.push_back({middle_ + unit(angle) * radius_m(angle), 250.0});
+      const double angle = 2.0 * half_turn_rad * i / ring_corners;
+      corners.push_back({middle_ + direction_of(angle) * radius_m(angle), 250.0});
     }
     return add({.highway = highway, .name = name, .alignment = round_corners(corners, true)});
   }
@@ -97,7 +99,7 @@ class CountryPlanner {
 
   /// From the inner ring over the site's border. Straight in its first part, where a village may lie.
   void add_spoke(int k, double angle) {
-    const Vec2 out = unit(angle), across = left_normal(out);
+    const Vec2 out = direction_of(angle), across = left_normal(out);
     const Vec2 begin = on(inner_, middle_ + out * (extent_m(angle) + inner_off_m));
     double inside_m = 0.0;
     const Box2 site{0.0, 0.0, plan_.size_m, plan_.size_m};
@@ -105,11 +107,11 @@ class CountryPlanner {
     std::vector<Corner> corners{{begin, 0.0}};
     const double straight_m = std::min(620.0, 0.6 * inside_m);
     double bend_m = 0.0;
-    for (double at = straight_m; at < inside_m + overhang_m - 150.0; at += 330.0) {
+    for (double at = straight_m; at < inside_m + country_overhang_m - 150.0; at += 330.0) {
       corners.push_back({begin + out * at + across * bend_m, 300.0});
       bend_m += random_.uniform(-60.0, 60.0);
     }
-    corners.push_back({begin + out * (inside_m + overhang_m) + across * bend_m, 0.0});
+    corners.push_back({begin + out * (inside_m + country_overhang_m) + across * bend_m, 0.0});
     const std::size_t road =
         add(k % 3 == 0 ? "secondary" : "tertiary", fmt::format("Landesstrasse {}", k + 1), corners);
     spokes_.push_back({road, angle, inside_m});
@@ -119,7 +121,7 @@ class CountryPlanner {
   void add_village(const Spoke& spoke) {
     const double half_m = random_.uniform(190.0, 230.0), middle_m = 130.0 + half_m;
     if (middle_m + half_m + 60.0 > spoke.length_m) return;
-    const Vec2 out = unit(spoke.angle), across = left_normal(out);
+    const Vec2 out = direction_of(spoke.angle), across = left_normal(out);
     const Vec2 begin = evaluate(plan_.roads[spoke.road].alignment, 0.0).p;
     const auto at = [&](double along_m, double across_m) { return begin + out * along_m + across * across_m; };
     const double low = middle_m - half_m, high = middle_m + half_m;
@@ -162,8 +164,9 @@ class CountryPlanner {
   /// Beside the inner ring, between the spokes.
   void add_car_park(double angle) {
     const Alignment& ring = plan_.roads[inner_].alignment;
-    const AlignmentPoint q = evaluate(ring, nearest_s(ring, middle_ + unit(angle) * (extent_m(angle) + inner_off_m)));
-    const Vec2 along = unit(q.heading_rad);
+    const AlignmentPoint q =
+        evaluate(ring, nearest_s(ring, middle_ + direction_of(angle) * (extent_m(angle) + inner_off_m)));
+    const Vec2 along = direction_of(q.heading_rad);
     if (std::abs(q.curvature_1pm) > 1.0 / 400.0) return;
     const Vec2 outward = left_normal(along) * (dot(left_normal(along), q.p - middle_) > 0.0 ? 1.0 : -1.0);
     const double half_m = random_.uniform(35.0, 60.0), gap_m = 0.5 * plan_.roads[inner_].width_m + 1.0;
@@ -186,7 +189,7 @@ class CountryPlanner {
       for (int i = 0; i < count; ++i) {
         const AlignmentPoint q =
             evaluate(alignment, (i + 0.5 + random_.uniform(-0.15, 0.15)) / count * alignment.length_m);
-        const Vec2 outward = left_normal(unit(q.heading_rad)) * (random_.below(2) ? 1.0 : -1.0);
+        const Vec2 outward = left_normal(direction_of(q.heading_rad)) * (random_.below(2) ? 1.0 : -1.0);
         const double length_m = random_.uniform(60.0, 110.0);
         const Vec2 yard = q.p + outward * length_m;
         const bool free = site.grown(-60.0).contains(yard) && is_free(yard, road) &&

@@ -14,20 +14,20 @@
 namespace orthodrive::synth {
 namespace {
 
-struct Range {
+struct Between {
   double low = 0.0, high = 0.0;
 };
 struct RoadKind {
   const char* highway = "";
-  Range width_m;
+  Between width_m;
   int lanes = 2;
   double share = 1.0;
 };
 struct Weave {
-  Range row_gap_m, corner_gap_m, link_gap_m, dead_end_gap_m;
+  Between row_gap_m, corner_gap_m, link_gap_m, dead_end_gap_m;
   double wander_m = 0.0;  ///< rows leave their line by this at most
   double slant_m = 0.0;   ///< ends of a link differ by this at most
-  Range radius_m;
+  Between radius_m;
   double least_joint_gap_m = 14.0;
   RoadKind main;  ///< the middle row
   std::vector<RoadKind> rows, links, dead_ends;
@@ -57,7 +57,7 @@ class WovenPlanner {
   [[nodiscard]] double turn_rad() const { return frame_.turn_rad(); }
   [[nodiscard]] SitePlan& plan() { return planner_.plan_; }
   [[nodiscard]] Random& random() { return random_; }
-  [[nodiscard]] double in(Range range) { return random_.uniform(range.low, range.high); }
+  [[nodiscard]] double in(Between range) { return random_.uniform(range.low, range.high); }
   [[nodiscard]] Vec2 anywhere(double margin) {
     const double size = box_.width();
     return {random_.uniform(margin, 1.0 - margin) * size, random_.uniform(margin, 1.0 - margin) * size};
@@ -178,7 +178,7 @@ class WovenPlanner {
   std::vector<Polyline> lines_;
 };
 
-void add_wood(WovenPlanner& woven, Range radius_share, double margin) {
+void add_wood(WovenPlanner& woven, Between radius_share, double margin) {
   SitePlan& plan = woven.plan();
   const Vec2 p = woven.anywhere(margin);
   const double radius_m = woven.in(radius_share)*plan.size_m;
@@ -229,7 +229,7 @@ void add_houses_behind(WovenPlanner& woven, double tries_per_ha) {
 }
 
 /// Small areas between the houses of a settlement.
-void add_yards(WovenPlanner& woven, int count, Range half_m, const std::vector<Cover>& covers) {
+void add_yards(WovenPlanner& woven, int count, Between half_m, const std::vector<Cover>& covers) {
   for (int i = 0; i < count; ++i) {
     const Vec2 p = woven.anywhere(0.02);
     const double heading = woven.random().uniform(0.0, std::numbers::pi);

@@ -347,7 +347,7 @@ std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrai
 
 namespace {
 /// A range of rows; bands are made independently of each other.
-struct Band {
+struct TerrainBand {
   int first = 0, end = 0;
   [[nodiscard]] std::size_t cell(const GridFrame& frame, int col, int row) const {
     return static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
@@ -419,7 +419,8 @@ class HillGrid {
 };
 
 /// Bridges do not count: they leave the ground as it is. False where the road does not come near the band.
-bool find_nearest(const SamplesOfRoad& samples, const GridFrame& frame, const Band& band, std::vector<Near>& near) {
+bool find_nearest(const SamplesOfRoad& samples, const GridFrame& frame, const TerrainBand& band,
+                  std::vector<Near>& near) {
   bool touched = false;
   for (std::size_t i = samples.begin; i + 1 < samples.end; ++i) {
     const RoadSample &a = samples.of_all[i], &b = samples.of_all[i + 1];
@@ -450,7 +451,8 @@ bool find_nearest(const SamplesOfRoad& samples, const GridFrame& frame, const Ba
 
 /// Cuts and fills the bed of one road into the ground: a metre of shoulder, then an embankment of about 1 in 2.5.
 /// `bed_of_others`: 1 on the bed of a road made before, 0 from 3 m beside it.
-void lay_bed(const std::vector<Near>& near, const Band& band, std::vector<float>& bed_of_others, BareEarth& earth) {
+void lay_bed(const std::vector<Near>& near, const TerrainBand& band, std::vector<float>& bed_of_others,
+             BareEarth& earth) {
   std::size_t cell = 0;
   for (int row = band.first; row < band.end; ++row)
     for (int col = 0; col < earth.height_m.width; ++col, ++cell) {
@@ -489,7 +491,7 @@ BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain, const st
   const auto bands = static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows);
   parallel_for(bands, threads, [&](std::size_t number) {
     const int first = static_cast<int>(number) * band_rows;
-    const Band band{first, std::min(frame.height, first + band_rows)};
+    const TerrainBand band{first, std::min(frame.height, first + band_rows)};
     for (int row = band.first; row < band.end; ++row) hills.fill(row, &earth.height_m.at(0, row));
     std::vector<Near> near(band.cell(frame, 0, band.end));
     std::vector<float> bed_of_others(near.size(), 0.0f);

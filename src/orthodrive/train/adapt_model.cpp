@@ -30,7 +30,7 @@
 namespace orthodrive {
 namespace {
 
-constexpr double adam_beta1 = 0.9, adam_beta2 = 0.999, adam_eps = 1e-8;  // Kingma and Ba, 2015
+constexpr double adapt_beta1 = 0.9, adapt_beta2 = 0.999, adapt_eps = 1e-8;  // Kingma and Ba, 2015
 constexpr float set_weight = 0.7F;  // of pixels with several allowed classes, as the shipped model was trained
 constexpr double least_probability = 1e-4;
 constexpr double alignment_weight = 1.0;  // of its squared change, over 2
@@ -67,7 +67,7 @@ struct AdaptedNetwork {
 };
 
 /// A piece of the photo, and what the map says of it.
-struct Cell {
+struct AdaptCell {
   Raster<std::uint8_t> rgb;
   Raster<std::uint8_t> map;  ///< as the network sees it, moved; none
   Raster<ClassSet> allowed;
@@ -137,13 +137,13 @@ Raster<std::uint8_t> moved_map(const RoadMap& map, const GridFrame& frame, std::
 enum class CellUse { learned, held_back };
 
 /// Every other cell that is learned from has no map: what the network says by the photo alone is learned, too.
-std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const RoadMap& map,
-                             const std::vector<PixelBox>& boxes, CellUse use, const AdaptOptions& options) {
+std::vector<AdaptCell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const RoadMap& map,
+                                  const std::vector<PixelBox>& boxes, CellUse use, const AdaptOptions& options) {
   const std::uint64_t seed = derive_seed(options.seed, use == CellUse::learned ? 0x6d6170 : 0x6a6467);
-  std::vector<Cell> cells(boxes.size());
+  std::vector<AdaptCell> cells(boxes.size());
   parallel_for(boxes.size(), options.threads, [&](std::size_t i) {
     PhotoWindow window = photo.read(boxes[i]);
-    Cell& cell = cells[i];
+    AdaptCell& cell = cells[i];
     const GridFrame frame = frame_of(photo.frame, boxes[i]);
     cell.rgb = std::move(window.rgb);
     cell.allowed = labels(frame, MapEdges::vague);
@@ -164,7 +164,7 @@ std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels,
 
 enum class MapUse { seen, hidden };
 
-InputTensors input_of(const AdaptedNetwork& network, const Cell& cell, MapUse map) {
+InputTensors input_of(const AdaptedNetwork& network, const AdaptCell& cell, MapUse map) {
   const bool seen = map == MapUse::seen && !cell.map.empty();
   return input_tensors(network.graph, {cell.rgb.data.data(), seen ? cell.map.data.data() : nullptr}, 1, cell.rgb.width,
                        cell.rgb.height);
@@ -195,7 +195,7 @@ RoadCounts count_road(const std::uint8_t* label, const Raster<ClassSet>& allowed
   return counts;
 }
 
-RoadAgreement measure(const AdaptedNetwork& network, const NetworkParams& params, std::span<const Cell> cells,
+RoadAgreement measure(const AdaptedNetwork& network, const NetworkParams& params, std::span<const AdaptCell> cells,
                       MapUse map, int threads) {
   std::vector<RoadCounts> sure(cells.size()), all(cells.size());
   parallel_for(cells.size(), threads, [&](std::size_t i) {
@@ -242,9 +242,9 @@ class DecoderTraining {
     }
   }
 
-  void step(std::span<const Cell> cells, std::int64_t step) {
+  void step(std::span<const AdaptCell> cells, std::int64_t step) {
     const auto batch = static_cast<std::size_t>(options_.batch);
-    std::vector<const Cell*> drawn;
+    std::vector<const AdaptCell*> drawn;
     for (std::size_t i = 0; i < batch; ++i)
       drawn.push_back(&cells[draw(cells.size(), static_cast<std::size_t>(step) * batch + i)]);
     const at::Tensor weights = weights_of(drawn);
@@ -275,25 +275,25 @@ class DecoderTraining {
   }
 
   /// Once for each time that a cell is drawn: what the trunk gives of all cells would fill half a gigabyte.
-  [[nodiscard]] std::vector<at::Tensor> run_trunk(const Cell& cell) const {
+  [[nodiscard]] std::vector<at::Tensor> run_trunk(const AdaptCell& cell) const {
     const at::NoGradGuard no_grad;
     NetworkParams start = start_;  // handles only
     return forward_padded_before(network_.graph, start, input_of(network_, cell, MapUse::seen), network_.decoder);
   }
 
   [[nodiscard]] at::Tensor decode(NetworkParams& params, const std::vector<at::Tensor>& features,
-                                  const Cell& cell) const {
+                                  const AdaptCell& cell) const {
     return forward_padded_from(network_.graph, params, features, network_.decoder, cell.rgb.width).values;
   }
 
-  [[nodiscard]] at::Tensor decode_as_shipped(const std::vector<at::Tensor>& features, const Cell& cell) const {
+  [[nodiscard]] at::Tensor decode_as_shipped(const std::vector<at::Tensor>& features, const AdaptCell& cell) const {
     const at::NoGradGuard no_grad;
     NetworkParams start = start_;
     return decode(start, features, cell);
   }
 
   /// 1 where a pixel may have a class, one after the other.
-  [[nodiscard]] at::Tensor mask_of(const Cell& cell) const {
+  [[nodiscard]] at::Tensor mask_of(const AdaptCell& cell) const {
     const Raster<ClassSet>& sets = cell.allowed;
     const at::Tensor allowed =
         at::from_blob(const_cast<ClassSet*>(sets.data.data()), {1, 1, sets.height, sets.width}, at::kLong);
@@ -302,9 +302,9 @@ class DecoderTraining {
   }
 
   /// Of the pixels of a batch: cross entropy is over all of it, because a cell may have few roads.
-  [[nodiscard]] at::Tensor weights_of(const std::vector<const Cell*>& cells) const {
+  [[nodiscard]] at::Tensor weights_of(const std::vector<const AdaptCell*>& cells) const {
     std::vector<at::Tensor> counts;
-    for (const Cell* cell : cells) counts.push_back(mask_of(*cell).sum(1, true));
+    for (const AdaptCell* cell : cells) counts.push_back(mask_of(*cell).sum(1, true));
     const at::Tensor count = at::cat(counts, 0);
     at::Tensor weights = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));
     weights.masked_fill_(count == 0, 0.0);
@@ -314,7 +314,7 @@ class DecoderTraining {
   /// By what a cell gives. Where the map leaves a choice, the network as it was makes it: `before` is what that gives.
   /// So does it for the alignment, of which the map's place says nothing. `weights`: of the batch, of which this is
   /// cell `i`.
-  [[nodiscard]] at::Tensor loss_gradient(const at::Tensor& given, const at::Tensor& before, const Cell& cell,
+  [[nodiscard]] at::Tensor loss_gradient(const at::Tensor& given, const at::Tensor& before, const AdaptCell& cell,
                                          const at::Tensor& weights, std::int64_t i) const {
     const at::Tensor mask = mask_of(cell);
     const at::Tensor chosen = (at::softmax(network_.classes_of(before), 1) + least_probability) * mask;
@@ -335,15 +335,15 @@ class DecoderTraining {
   void update(std::int64_t step) {
     const at::NoGradGuard no_grad;
     const double rate = rate_at(step), t = static_cast<double>(step + 1);
-    const double correction1 = 1.0 - std::pow(adam_beta1, t), correction2 = 1.0 - std::pow(adam_beta2, t);
+    const double correction1 = 1.0 - std::pow(adapt_beta1, t), correction2 = 1.0 - std::pow(adapt_beta2, t);
     for (std::size_t k = 0; k < learned_.size(); ++k) {
       Learned& l = learned_[k];
       at::Tensor gradient = leaves_[0][k]->grad();
       for (std::size_t i = 1; i < leaves_.size(); ++i) gradient = gradient + leaves_[i][k]->grad();
-      l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
-      l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
+      l.first_moment.mul_(adapt_beta1).add_(gradient, 1.0 - adapt_beta1);
+      l.second_moment.mul_(adapt_beta2).addcmul_(gradient, gradient, 1.0 - adapt_beta2);
       l.value.lerp_(l.start, std::min(1.0, rate * options_.pull));
-      l.value.addcdiv_(l.first_moment, (l.second_moment / correction2).sqrt_().add_(adam_eps), -rate / correction1);
+      l.value.addcdiv_(l.first_moment, (l.second_moment / correction2).sqrt_().add_(adapt_eps), -rate / correction1);
       for (const std::vector<at::Tensor*>& copy : leaves_) {
         copy[k]->mutable_grad() = at::Tensor();
         copy[k]->copy_(l.value);
@@ -393,8 +393,9 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
                                  report.learned_cells, report.held_back_cells, least_learned, least_held_back);
     return result;
   }
-  const std::vector<Cell> learned = read_cells(scaled, labels, map, boxes.learned, CellUse::learned, options),
-                          held_back = read_cells(scaled, labels, map, boxes.held_back, CellUse::held_back, options);
+  const std::vector<AdaptCell> learned = read_cells(scaled, labels, map, boxes.learned, CellUse::learned, options),
+                               held_back =
+                                   read_cells(scaled, labels, map, boxes.held_back, CellUse::held_back, options);
   const SingleThreadedTorch one_thread;
   const SingleThreadedBlas one_thread_blas;
   const ReuseTensorMemory reuse_memory;

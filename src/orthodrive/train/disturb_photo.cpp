@@ -13,7 +13,7 @@ std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::clamp
 
 // ---- JPEG ------------------------------------------------------------------------------------------------------
 
-using Cell = std::array<float, 64>;
+using CosineCell = std::array<float, 64>;
 using QuantTable = std::array<int, 64>;
 
 // ITU-T T.81, tables K.1 and K.2.
@@ -35,8 +35,8 @@ QuantTable scaled(const QuantTable& table, int quality) {
 }
 
 /// Row u: the cosine of frequency u, orthonormal.
-Cell make_cosines() {
-  Cell cosines{};
+CosineCell make_cosines() {
+  CosineCell cosines{};
   for (std::size_t u = 0; u < 8; ++u)
     for (std::size_t x = 0; x < 8; ++x)
       cosines[8 * u + x] = static_cast<float>(
@@ -46,8 +46,8 @@ Cell make_cosines() {
 }
 
 /// a * b, or a^T * b, of 8 x 8 matrices.
-Cell product(const Cell& a, const Cell& b, bool first_transposed) {
-  Cell result{};
+CosineCell product(const CosineCell& a, const CosineCell& b, bool first_transposed) {
+  CosineCell result{};
   for (std::size_t i = 0; i < 8; ++i)
     for (std::size_t k = 0; k < 8; ++k) {
       const float factor = first_transposed ? a[8 * k + i] : a[8 * i + k];
@@ -56,22 +56,22 @@ Cell product(const Cell& a, const Cell& b, bool first_transposed) {
   return result;
 }
 
-Cell transposed(const Cell& a) {
-  Cell result{};
+CosineCell transposed(const CosineCell& a) {
+  CosineCell result{};
   for (std::size_t i = 0; i < 8; ++i)
     for (std::size_t j = 0; j < 8; ++j) result[8 * j + i] = a[8 * i + j];
   return result;
 }
 
-void quantise(Cell& values, const QuantTable& table) {
-  static const Cell cosines = make_cosines();
-  const Cell half = product(cosines, values, false);
-  Cell frequencies = transposed(product(cosines, transposed(half), false));  // C V C^T
+void quantise(CosineCell& values, const QuantTable& table) {
+  static const CosineCell cosines = make_cosines();
+  const CosineCell half = product(cosines, values, false);
+  CosineCell frequencies = transposed(product(cosines, transposed(half), false));  // C V C^T
   for (std::size_t i = 0; i < 64; ++i) {
     const auto step = static_cast<float>(table[i]);
     frequencies[i] = std::round(frequencies[i] / step) * step;
   }
-  const Cell back = product(cosines, frequencies, true);
+  const CosineCell back = product(cosines, frequencies, true);
   values = transposed(product(cosines, transposed(back), true));  // C^T F C
 }
 
@@ -79,7 +79,7 @@ void quantise(Cell& values, const QuantTable& table) {
 void quantise_plane(Raster<float>& plane, const QuantTable& table) {
   for (int top = 0; top < plane.height; top += 8) {
     for (int left = 0; left < plane.width; left += 8) {
-      Cell cell{};
+      CosineCell cell{};
       for (int row = 0; row < 8; ++row)
         for (int col = 0; col < 8; ++col)
           cell[static_cast<std::size_t>(8 * row + col)] =

@@ -114,7 +114,8 @@ at::Tensor tensor_from(const NamedTensor& named) {
 }
 
 /// Bytes, N x H x W x channels, as the network sees them: N x channels x H x W, a view that is channels-last.
-at::Tensor scaled(const std::uint8_t* bytes, int count, int width, int height, const std::vector<InputScale>& scales) {
+at::Tensor scaled_tensor(const std::uint8_t* bytes, int count, int width, int height,
+                         const std::vector<InputScale>& scales) {
   const auto channels = static_cast<std::int64_t>(scales.size());
   const at::Tensor tensor = at::empty({count, height, width, channels}, at::kFloat);
   scale_input(bytes, static_cast<std::size_t>(tensor.numel() / channels), scales, tensor.data_ptr<float>());
@@ -220,9 +221,9 @@ InputTensors InputTensors::to(at::Device device) const {
 }
 
 InputTensors input_tensors(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width, int height) {
-  InputTensors input{scaled(bytes.rgb, count, width, height, photo_scales(graph)), {}};
+  InputTensors input{scaled_tensor(bytes.rgb, count, width, height, photo_scales(graph)), {}};
   if (graph.map_channels == 0) return input;
-  input.map = bytes.map ? scaled(bytes.map, count, width, height, map_scales())
+  input.map = bytes.map ? scaled_tensor(bytes.map, count, width, height, map_scales())
                         : at::zeros({count, height, width, graph.map_channels}).permute({0, 3, 1, 2});
   return input;
 }
