@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// main() of all test programs. Each run has a temporary folder of its own, so that tests which write files of one name can run
-// at one time. A filter that no case passes is an error, and `--suites=A:B` fails when the program has a suite besides:
-// cmake/testing.cmake names suites as it reads them in the sources.
+// main() of all test programs. Each run has a temporary folder of its own, so that tests which write files of one name
+// can run at one time. A filter that no case passes is an error, and `--suites=A:B` fails when the program has a suite
+// besides: cmake/testing.cmake names suites as it reads them in the sources.
 
 #include <gmock/gmock.h>
 
