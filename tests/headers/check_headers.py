@@ -3,9 +3,10 @@
 
     check_headers.py ROOT BUILD
 
-A header that another one includes first, before anything else, is proved by that one: it is read there as if alone. One that
-passed is not read again before it or a header of ours that it includes changes: stamps lie in BUILD/headers.
+A header that another one includes first, before anything else, is proved by that one: it is read there as if alone.
+One that passed is not read again before it or a header of ours that it includes changes: stamps lie in BUILD/headers.
 """
+
 import concurrent.futures
 import hashlib
 import json
@@ -15,7 +16,7 @@ import re
 import subprocess
 import sys
 
-INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
 def includes_of(text):
@@ -23,10 +24,18 @@ def includes_of(text):
 
 
 def to_compile(texts):
-    """The headers that no other one proves; texts by name. A ring of first includes proves nothing, and none may be made."""
-    first = {name: includes_of(text)[:1] for name, text in texts.items()}
-    proved = {found[0][1] for name, found in first.items() if found and found[0][0] and found[0][1] != name}
-    return sorted(name for name in texts if name not in proved)
+    """The headers that no other one proves; texts by name. Of those that include each other first in a ring, all."""
+    first = {}
+    for name, text in texts.items():
+        found = includes_of(text)[:1]
+        first[name] = found[0][1] if found and found[0][0] else None
+    alone = sorted(set(texts) - set(first.values()))
+    proved = set()
+    for name in alone:
+        while name in texts and name not in proved:
+            proved.add(name)
+            name = first[name]
+    return alone + sorted(set(texts) - proved)
 
 
 def reaches(name, texts, seen):
@@ -57,18 +66,19 @@ def check(root, build):
     src, stamps = root / "src", build / "headers"
     stamps.mkdir(parents=True, exist_ok=True)
     texts = {str(p.relative_to(src)): p.read_text() for p in src.rglob("*.h*") if p.suffix in (".hpp", ".h")}
-    command = flags_of(build) + ["-I", str(src), "-fsyntax-only", "-x", "c++", "-"]
+    command = [*flags_of(build), "-I", str(src), "-fsyntax-only", "-x", "c++", "-"]
 
     def one(name):
         parts = sorted(reaches(name, texts, set()))
         key = hashlib.sha256(json.dumps([command, [(p, texts[p]) for p in parts]]).encode()).hexdigest()
         if (stamps / key).exists():
             return ""
-        run = subprocess.run(command, input=f'#include "{name}"\n', capture_output=True, text=True)
+        run = subprocess.run(command, input=f'#include "{name}"\n', capture_output=True, text=True, check=False)
         if run.returncode == 0:
             (stamps / key).touch()
             return ""
         return f"{name} does not compile alone:\n{run.stderr}"
+
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         names = to_compile(texts)
         faults = [said for said in pool.map(one, names) if said]
