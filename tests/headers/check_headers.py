@@ -31,7 +31,8 @@ def to_compile(texts):
         first[name] = found[0][1] if found and found[0][0] else None
     alone = sorted(set(texts) - set(first.values()))
     proved = set()
-    for name in alone:
+    for start in alone:
+        name = start
         while name in texts and name not in proved:
             proved.add(name)
             name = first[name]
