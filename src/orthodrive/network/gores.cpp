@@ -51,12 +51,12 @@ double edge_t(const Road& road, bool left, double s) {
 
 /// Between both facing edges.
 struct Gap {
-  double width_m = 0.0;      ///< negative where the roads lie on each other
-  double gore_step_m = 0.0;  ///< at the other road's edge between its surface and the own one, carried on
-  [[nodiscard]] bool is_flush() const { return gore_step_m < flush_gore_m; }
+  double width_m = 0.0;  ///< negative where the roads lie on each other
+  double step_m = 0.0;   ///< at the other road's edge between its surface and the own one, carried on
+  [[nodiscard]] bool is_flush() const { return step_m < flush_gore_m; }
   /// How much of it the own road paves: all of it, or as much as leaves a bank.
   [[nodiscard]] double paved_m() const {
-    return is_flush() ? std::max(0.0, width_m) : std::max(0.0, 0.5 * width_m - gore_step_m);
+    return is_flush() ? std::max(0.0, width_m) : std::max(0.0, 0.5 * width_m - step_m);
   }
 };
 

@@ -77,12 +77,12 @@ std::vector<Cubic> cubics_of(const CubicSpline& spline, double unit) {
 
 /// The sections that the profile should have, at even places of the road.
 struct Wanted {
-  double profile_step_m = 0.0;
+  double step_m = 0.0;
   std::vector<ProfileSection> sections;
   double start_rate = 0.0, end_rate = 0.0;  ///< of the banking
   double half_m = 0.0;                      ///< half the width of the lanes, at most
 
-  [[nodiscard]] double s(std::size_t i) const { return profile_step_m * static_cast<double>(i); }
+  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
 };
 
 Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, const ProfileEnds& ends) {
@@ -109,10 +109,10 @@ Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, co
 /// What a spline follows: the values at all places of the wanted sections, and the slopes at the ends.
 struct Course {
   std::vector<double> values;
-  double profile_step_m = 0.0, first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
+  double step_m = 0.0, first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
   double unit = 0.0;  ///< a spline has multiples of it between the ends
 
-  [[nodiscard]] double s(std::size_t i) const { return profile_step_m * static_cast<double>(i); }
+  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
   /// Where a spline has a knot that stands for a place.
   [[nodiscard]] double knot_s(std::size_t i) const {
     return i == 0 || i + 1 == values.size() ? s(i) : rounded_to(s(i), knot_unit_m);

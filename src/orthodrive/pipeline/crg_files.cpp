@@ -20,9 +20,8 @@ namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using roadquery::Road;
-using roadquery::RoadMap;
 
-void choose_way(const RoadMap& map, const std::string& way, std::set<std::size_t>& chosen) {
+void choose_way(const roadquery::RoadMap& map, const std::string& way, std::set<std::size_t>& chosen) {
   const std::size_t before = chosen.size();
   for (std::size_t i = 0; i < map.roads.size(); ++i)
     if (map.roads[i].osm_id == way) chosen.insert(i);
@@ -30,7 +29,7 @@ void choose_way(const RoadMap& map, const std::string& way, std::set<std::size_t
     throw OptionError(fmt::format("--crg way/{}: no road of the network is of that OSM way", way));
 }
 
-void choose_road(const RoadMap& map, const std::string& text, std::set<std::size_t>& chosen) {
+void choose_road(const roadquery::RoadMap& map, const std::string& text, std::set<std::size_t>& chosen) {
   int id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   if (error != std::errc{} || end != text.data() + text.size())
@@ -43,7 +42,7 @@ void choose_road(const RoadMap& map, const std::string& text, std::set<std::size
   chosen.insert(static_cast<std::size_t>(found - map.roads.begin()));
 }
 
-std::set<std::size_t> choose(const RoadMap& map, const CrgFilesOptions& options) {
+std::set<std::size_t> choose(const roadquery::RoadMap& map, const CrgFilesOptions& options) {
   std::set<std::size_t> chosen;
   for (const std::string& item : options.roads) {
     if (item == "all") {
@@ -72,7 +71,7 @@ CrgFormat crg_format_of(const std::string& name) {
 
 fs::path crg_folder(const fs::path& xodr) { return xodr.parent_path() / (xodr.stem().string() + "_crg"); }
 
-CrgFilesResult write_crg_files(RoadMap& map, const fs::path& xodr, const CrgFilesOptions& options) {
+CrgFilesResult write_crg_files(roadquery::RoadMap& map, const fs::path& xodr, const CrgFilesOptions& options) {
   const std::set<std::size_t> chosen = choose(map, options);
   if (chosen.empty()) return {};
   const std::vector<std::size_t> roads(chosen.begin(), chosen.end());

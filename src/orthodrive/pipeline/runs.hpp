@@ -65,7 +65,7 @@ struct Runs {
   ScoreJson (*score_scene)(const ScoreRequest&, const SceneScoreOptions&);
   ScoreJson (*score_heights)(const ScoreRequest&);
   ScoreJson (*score_site)(const ScoreRequest&);
-  decltype(&orthodrive::to_table) to_table;
+  std::string (*to_table)(const ScoreJson&);
 };
 
 }  // namespace orthodrive

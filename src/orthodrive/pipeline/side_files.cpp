@@ -16,7 +16,7 @@
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
-using json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 struct Asset {
   const char *file, *key, *title, *type, *role;
@@ -39,15 +39,15 @@ constexpr Asset outputs[] = {
 double rounded(double degrees) { return std::round(degrees * 1e7) / 1e7; }
 
 struct LonLatArea {
-  json geometry, bbox;
+  OrderedJson geometry, bbox;
 };
 
 LonLatArea lonlat_area(const SiteFrame& frame) {
   const CoordinateTransform lonlat_from_site(Crs{"EPSG:4326"}, frame.crs);
   Box2 box{180.0, 90.0, -180.0, -90.0};
-  json rings = json::array();
+  OrderedJson rings = OrderedJson::array();
   const auto add = [&](const Ring& ring) {
-    json points = json::array();
+    OrderedJson points = OrderedJson::array();
     for (const Vec2 p : ring) {
       const Vec2 lonlat = lonlat_from_site.source_from_target(p);
       box = {std::min(box.min_x, lonlat.x), std::min(box.min_y, lonlat.y), std::max(box.max_x, lonlat.x),
@@ -89,20 +89,20 @@ std::pair<std::string, std::string> time_of_photos(const std::vector<fs::path>& 
   return {first, last};
 }
 
-json properties_of(const Site& site, const std::string& version) {
-  json properties{{"title", site.name}};
+OrderedJson properties_of(const Site& site, const std::string& version) {
+  OrderedJson properties{{"title", site.name}};
   const auto [first, last] = time_of_photos(site.photos);
-  properties["datetime"] = first == last ? json(first) : json(nullptr);
+  properties["datetime"] = first == last ? OrderedJson(first) : OrderedJson(nullptr);
   if (first != last) properties["start_datetime"] = first, properties["end_datetime"] = last;
   properties["license"] = "various";
-  properties["providers"] = json::array();
+  properties["providers"] = OrderedJson::array();
   for (const std::string& text : site.attribution)
     properties["providers"].push_back({{"name", text}, {"roles", {"producer"}}});
   properties["processing:software"] = {{"orthodrive", version}};
   const std::string& crs = site.frame.crs.definition;
   const bool epsg = crs.starts_with("EPSG:") && crs.size() > 5 && crs.size() <= 12 &&
                     crs.find_first_not_of("0123456789", 5) == std::string::npos;
-  properties["proj:epsg"] = epsg ? json(std::stoi(crs.substr(5))) : json(nullptr);
+  properties["proj:epsg"] = epsg ? OrderedJson(std::stoi(crs.substr(5))) : OrderedJson(nullptr);
   const Box2 box = bounds_of(site.frame.area.outer);
   properties["proj:bbox"] = {box.min_x, box.min_y, box.max_x, box.max_y};
   return properties;
@@ -112,25 +112,25 @@ json properties_of(const Site& site, const std::string& version) {
 
 std::string stac_item(const Site& site, const fs::path& out_dir, const std::string& version) {
   const LonLatArea area = lonlat_area(site.frame);
-  json assets = json::object();
+  OrderedJson assets = OrderedJson::object();
   for (const Asset& output : outputs)
     if (fs::exists(out_dir / output.file))
       assets[output.key] = {{"href", std::string("./") + output.file},
                             {"title", output.title},
                             {"type", output.type},
                             {"roles", {output.role}}};
-  const json item{{"type", "Feature"},
-                  {"stac_version", "1.0.0"},
-                  {"stac_extensions",
-                   {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
-                    "https://stac-extensions.github.io/processing/v1.1.0/schema.json"}},
-                  {"id", id_of(site.name)},
-                  {"geometry", area.geometry},
-                  {"bbox", area.bbox},
-                  {"properties", properties_of(site, version)},
-                  {"links", json::array()},
-                  {"assets", assets}};
-  return item.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  const OrderedJson item{{"type", "Feature"},
+                         {"stac_version", "1.0.0"},
+                         {"stac_extensions",
+                          {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
+                           "https://stac-extensions.github.io/processing/v1.1.0/schema.json"}},
+                         {"id", id_of(site.name)},
+                         {"geometry", area.geometry},
+                         {"bbox", area.bbox},
+                         {"properties", properties_of(site, version)},
+                         {"links", OrderedJson::array()},
+                         {"assets", assets}};
+  return item.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 void write_side_files(const Site& site, const fs::path& out_dir, const std::string& version) {
