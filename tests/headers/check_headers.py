@@ -24,10 +24,19 @@ def includes_of(text):
 
 
 def to_compile(texts):
-    """The headers that no other one proves; texts by name. A ring of first includes proves nothing."""
-    first = {name: includes_of(text)[:1] for name, text in texts.items()}
-    proved = {found[0][1] for name, found in first.items() if found and found[0][0] and found[0][1] != name}
-    return sorted(name for name in texts if name not in proved)
+    """The headers that no other one proves; texts by name. Of those that include each other first in a ring, all."""
+    first = {}
+    for name, text in texts.items():
+        found = includes_of(text)[:1]
+        first[name] = found[0][1] if found and found[0][0] else None
+    alone = sorted(set(texts) - set(first.values()))
+    proved = set()
+    for start in alone:
+        name = start
+        while name in texts and name not in proved:
+            proved.add(name)
+            name = first[name]
+    return alone + sorted(set(texts) - proved)
 
 
 def reaches(name, texts, seen):
@@ -65,7 +74,7 @@ def check(root, build):
         key = hashlib.sha256(json.dumps([command, [(p, texts[p]) for p in parts]]).encode()).hexdigest()
         if (stamps / key).exists():
             return ""
-        run = subprocess.run(command, check=False, input=f'#include "{name}"\n', capture_output=True, text=True)
+        run = subprocess.run(command, input=f'#include "{name}"\n', capture_output=True, text=True, check=False)
         if run.returncode == 0:
             (stamps / key).touch()
             return ""

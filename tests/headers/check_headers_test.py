@@ -37,6 +37,8 @@ class CheckHeaders(unittest.TestCase):
     def test_what_proves_what(self):
         texts = {"a": "", "b": '#include "a"\n', "c": '#include <x>\n#include "b"\n', "d": '#include "b"\n'}
         self.assertEqual(check_headers.to_compile(texts), ["c", "d"])
+        ring = {"a": '#include "b"\n', "b": '#include "a"\n'}
+        self.assertEqual(check_headers.to_compile(ring), ["a", "b"])
 
 
 if __name__ == "__main__":
