@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random trips on a SUMO net: sumo_trips.py NET.xml FOLDER --trips N --seed S. One vehicle sets out every three seconds, from
-anywhere to anywhere at least 300 m away that it can reach (randomTrips.py of SUMO). Collisions count on junctions, too. Prints what
-came of them as JSON; `events` says where each collision, teleport and emergency braking was: its lane, the metre on it, the place."""
+"""Random trips on a SUMO net: sumo_trips.py NET.xml FOLDER --trips N --seed S. One vehicle sets out every three
+seconds, from anywhere to anywhere at least 300 m away that it can reach (randomTrips.py of SUMO). Collisions count on
+junctions, too. Prints what came of them as JSON; `events` says where each collision, teleport and emergency braking
+was: its lane and the metre on it.
+"""
 
 import argparse
 import json
@@ -59,7 +61,9 @@ def routes(net, folder, trips, seed):
 
 
 def events_of(collisions, warnings):
-    """A collision once, though SUMO tells it every second; of the others it says the lane only: they count at its begin."""
+    """A collision once, though SUMO tells it every second; of the others it says the lane only: they count at its
+    begin.
+    """
     events = {}
     for c in collisions:
         what = f"{c.get('type')}: {c.get('colliderSpeed')} m/s into {c.get('victimSpeed')} m/s at {c.get('time')} s"

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random trips of SUMO on the roads of built sites: collisions, teleports, emergency brakings and where. Writes docs/measured/traffic.md.
+"""Random trips of SUMO on the roads of built sites. Writes docs/measured/traffic.md.
 
-    tools/measure traffic kvarnbyn=out/kvarnbyn village=out/village --osm kvarnbyn=../shared/data/kvarnbyn/roads.osm
+    tools/measure traffic Kvarnbyn=out/kvarnbyn --osm Kvarnbyn=../shared/data/kvarnbyn/roads.osm
 
-A site is a folder that `orthodrive build` wrote (roads.xodr; roads.gpkg names the nodes of OSM), or an OpenDRIVE file. With --osm a map
-is imported by SUMO's own netconvert and gets as many trips, to compare with. Two runs go on at a time. What is not named keeps its last
-numbers. Trips: tests/built_sites/sumo_trips.py. Needs Debian's sumo and sumo-tools.
+Counts collisions, teleports and emergency brakings, and says where they were. A site is a folder that `orthodrive
+build` wrote (roads.xodr; roads.gpkg names the nodes of OSM), or an OpenDRIVE file. With --osm a map is imported by
+SUMO's own netconvert and gets as many trips, to compare with. Two runs go on at a time; seeds that are done count when
+it is called again. What is not named keeps its last numbers. Trips: tests/built_sites/sumo_trips.py. Needs Debian's
+sumo and sumo-tools.
 """
 
 import concurrent.futures
@@ -99,7 +101,7 @@ class Places:
             if offset is not None and offset.tag == "offset":
                 header = (float(offset.get("x")), float(offset.get("y")))
         # SUMO 1.15 subtracts the offset of OpenDRIVE's header where it had to add it.
-        self.utm_from_net = tuple(2.0 * h - s for h, s in zip(header, shift))
+        self.utm_from_net = tuple(2.0 * h - s for h, s in zip(header, shift, strict=True))
         if gpkg and gpkg.exists():
             rows = sqlite3.connect(f"file:{gpkg}?mode=ro", uri=True).execute(
                 "select osm_node, geom from nodes where osm_node != 0"
@@ -112,16 +114,18 @@ class Places:
         for a, b in itertools.pairwise(line):
             length = math.dist(a, b)
             if pos_m <= length and length > 0:
-                place = tuple(p + (q - p) * pos_m / length for p, q in zip(a, b))
+                place = tuple(p + (q - p) * pos_m / length for p, q in zip(a, b, strict=True))
                 break
             pos_m -= length
-        x, y = (p + d for p, d in zip(place, self.utm_from_net))
+        x, y = (p + d for p, d in zip(place, self.utm_from_net, strict=True))
         node = min(self.nodes, key=lambda n: math.dist(n[1], (x, y)))[0] if self.nodes else None
         return {"x": round(x, 1), "y": round(y, 1), "osm_node": node}
 
 
 def one_run(net, folder, trips, seed):
-    """What a run before has found on the same net counts: twenty seeds take long. The first comment of a net holds the date."""
+    """What a run before has found on the same net counts: twenty seeds take long. The first comment of a net holds the
+    date.
+    """
     done, asked = (
         folder / f"seed_{seed}.json",
         {"net": hashlib.sha256(net.read_bytes().split(b"-->", 1)[-1]).hexdigest(), "trips": trips},
