@@ -12,7 +12,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 

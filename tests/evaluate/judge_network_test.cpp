@@ -18,7 +18,7 @@ using namespace roadquery;
 constexpr double kmh = 1.0 / 3.6;
 
 /// 100 m of straight road of two lanes of 3.5 m along the x axis, from x = 0 on.
-Road straight(int id, double x, double length = 100.0) {
+Road straight_road(int id, double x, double length = 100.0) {
   Road road = roadquery::test::make_road(id, {0.0, x, 0.0, 0.0, length, Line{}}, 10.0);
   road.speed_limit_mps = 50.0 * kmh;
   return road;
@@ -49,7 +49,7 @@ void expect_fault_at(const RoadMap& map, FaultKind kind, double x, std::vector<F
 }
 
 TEST(JudgeNetwork, a_clean_network_passes) {
-  Road bend = straight(1, 0.0, 40.0);
+  Road bend = straight_road(1, 0.0, 40.0);
   roadquery::test::append(bend, 30.0, Spiral{0.0, 0.02});
   roadquery::test::append(bend, 40.0, Arc{0.02});
   roadquery::test::append(bend, 30.0, Spiral{0.02, 0.0});
@@ -73,14 +73,14 @@ TEST(JudgeNetwork, a_clean_network_passes) {
 
 TEST(JudgeNetwork, nothing_to_drive_on_passes) {
   EXPECT_TRUE(judge_network({}).pass());
-  Road narrow = straight(1, 0.0);
+  Road narrow = straight_road(1, 0.0);
   for (Lane* lane : {&narrow.sections[0].left[0], &narrow.sections[0].right[0]}) lane->width = {{.a = 1.0}};
   narrow.elevation.push_back({.s = 50.0, .a = 20.0});
   EXPECT_TRUE(judge_network({.roads = {narrow}}).pass()) << "no car fits on it";
 }
 
 TEST(JudgeNetwork, a_step_within_a_road) {
-  Road road = straight(1, 0.0);
+  Road road = straight_road(1, 0.0);
   road.elevation.push_back({.s = 40.03, .a = 10.03});
   expect_fault_at({.roads = {road}}, FaultKind::step, 40.0);
   road.elevation[1].a = 10.004;
@@ -88,7 +88,7 @@ TEST(JudgeNetwork, a_step_within_a_road) {
 }
 
 TEST(JudgeNetwork, a_step_where_roads_are_linked) {
-  RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
+  RoadMap map{.roads = {straight_road(1, 0.0), straight_road(2, 100.0)}};
   join(map.roads[0], map.roads[1]);
   EXPECT_TRUE(judge_network(map).pass());
   map.roads[1].elevation[0].a = 10.05;
@@ -96,7 +96,7 @@ TEST(JudgeNetwork, a_step_where_roads_are_linked) {
 }
 
 TEST(JudgeNetwork, a_ramp_is_no_step_but_a_kink_that_speed_feels) {
-  Road road = straight(1, 0.0);
+  Road road = straight_road(1, 0.0);
   road.elevation.push_back({.s = 40.0, .a = 10.0, .b = 0.12});
   expect_fault_at({.roads = {road}}, FaultKind::vertical_acceleration, 40.0);
   road.speed_limit_mps = 20.0 * kmh;
@@ -104,7 +104,7 @@ TEST(JudgeNetwork, a_ramp_is_no_step_but_a_kink_that_speed_feels) {
 }
 
 TEST(JudgeNetwork, a_hump_is_judged_by_the_legal_speed) {
-  Road road = straight(1, 0.0);
+  Road road = straight_road(1, 0.0);
   constexpr double radius_m = 100.0;  // a crest: v^2 / R = 1.93 m/s2 at 50 km/h, 13.0 at 130 km/h
   road.elevation.push_back({.s = 40.0, .a = 10.0, .c = -0.5 / radius_m});
   const NetworkVerdict slow = judge_network({.roads = {road}});
@@ -115,13 +115,13 @@ TEST(JudgeNetwork, a_hump_is_judged_by_the_legal_speed) {
 }
 
 TEST(JudgeNetwork, a_hole_between_linked_roads) {
-  RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.8)}};
+  RoadMap map{.roads = {straight_road(1, 0.0), straight_road(2, 100.8)}};
   join(map.roads[0], map.roads[1]);
   expect_fault_at(map, FaultKind::hole, 100.4, {FaultKind::gap});
 }
 
 TEST(JudgeNetwork, a_wedge_on_the_outer_side_of_a_kink) {
-  RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
+  RoadMap map{.roads = {straight_road(1, 0.0), straight_road(2, 100.0)}};
   join(map.roads[0], map.roads[1]);
   map.roads[1].plan[0].hdg = 0.2;  // 3.4 m to the right of the joint the ends are 0.7 m apart
   expect_fault_at(map, FaultKind::hole, 100.0, {FaultKind::heading_jump, FaultKind::gap});
@@ -129,7 +129,7 @@ TEST(JudgeNetwork, a_wedge_on_the_outer_side_of_a_kink) {
 }
 
 TEST(JudgeNetwork, a_kink_of_the_line_within_a_road) {
-  Road road = straight(1, 0.0, 50.0);
+  Road road = straight_road(1, 0.0, 50.0);
   road.plan.push_back({.s = 50.0, .x = 50.0, .hdg = 0.03, .length = 50.0, .shape = Line{}});
   road.length = 100.0;
   expect_fault_at({.roads = {road}}, FaultKind::heading_jump, 50.0);
@@ -138,7 +138,7 @@ TEST(JudgeNetwork, a_kink_of_the_line_within_a_road) {
 }
 
 TEST(JudgeNetwork, a_jump_of_the_curvature) {
-  Road road = straight(1, 0.0, 50.0);
+  Road road = straight_road(1, 0.0, 50.0);
   roadquery::test::append(road, 30.0, Arc{1.0 / 80.0});  // 2.4 m/s2 at once at 50 km/h
   expect_fault_at({.roads = {road}}, FaultKind::curvature_jump, 50.0);
   road.junction = 7;
@@ -146,14 +146,14 @@ TEST(JudgeNetwork, a_jump_of_the_curvature) {
 }
 
 TEST(JudgeNetwork, a_jump_of_the_width) {
-  RoadMap map{.roads = {straight(1, 0.0), straight(2, 100.0)}};
+  RoadMap map{.roads = {straight_road(1, 0.0), straight_road(2, 100.0)}};
   join(map.roads[0], map.roads[1]);
   map.roads[1].sections[0].right[0].width = {{.a = 3.2}};
   expect_fault_at(map, FaultKind::width_jump, 100.0, {FaultKind::gap});
 }
 
 TEST(JudgeNetwork, a_jump_of_the_grip) {
-  Road road = straight(1, 0.0);
+  Road road = straight_road(1, 0.0);
   road.sections[0].right[0].materials = {{.friction = 1.0}, {.s_offset = 30.0, .friction = 0.45}};
   expect_fault_at({.roads = {road}}, FaultKind::grip_jump, 30.0);
   road.sections[0].right[0].materials[1].friction = 0.7;
@@ -187,7 +187,7 @@ TEST(JudgeNetwork, a_plane_twists_no_car_that_turns_on_it) {
 }
 
 TEST(JudgeNetwork, a_twist_of_the_banking) {
-  Road road = straight(1, 0.0);
+  Road road = straight_road(1, 0.0);
   road.superelevation = {{.s = 60.0, .b = 0.1}, {.s = 61.0, .a = 0.1}};
   const NetworkVerdict verdict = judge_network({.roads = {road}});
   ASSERT_GT(places(verdict, FaultKind::twist), 0u);
@@ -196,7 +196,7 @@ TEST(JudgeNetwork, a_twist_of_the_banking) {
 }
 
 TEST(JudgeNetwork, a_lane_that_folds_back_over_itself) {
-  Road road = straight(1, 0.0, 30.0);
+  Road road = straight_road(1, 0.0, 30.0);
   roadquery::test::append(road, 0.5, Spiral{0.0, 0.8});  // the middle of the left lane is 1.75 m off a radius of 1.25 m
   roadquery::test::append(road, 1.0, Arc{0.8});
   const NetworkVerdict verdict = judge_network({.roads = {road}});
@@ -204,7 +204,7 @@ TEST(JudgeNetwork, a_lane_that_folds_back_over_itself) {
 }
 
 TEST(JudgeNetwork, a_turn_through_a_junction_is_followed) {
-  RoadMap map{.roads = {straight(1, 0.0), straight(2, 120.0)}};
+  RoadMap map{.roads = {straight_road(1, 0.0), straight_road(2, 120.0)}};
   Road through = roadquery::test::make_road(3, {0.0, 100.0, 0.0, 0.0, 20.0, Line{}}, 10.0);
   through.junction = 1;
   through.speed_limit_mps = 50.0 * kmh;
@@ -229,7 +229,7 @@ TEST(JudgeNetwork, a_turn_through_a_junction_is_followed) {
 TEST(JudgeNetwork, threads_do_not_change_the_verdict) {
   RoadMap map;
   for (int i = 0; i < 8; ++i) {
-    map.roads.push_back(straight(i + 1, 200.0 * i));
+    map.roads.push_back(straight_road(i + 1, 200.0 * i));
     map.roads.back().elevation.push_back({.s = 40.0, .a = 10.0 + 0.01 * i});
   }
   const NetworkVerdict one = judge_network(map, {.threads = 1}), three = judge_network(map, {.threads = 3});

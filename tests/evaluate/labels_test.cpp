@@ -12,11 +12,11 @@ namespace orthodrive {
 namespace {
 
 const Crs utm33{"EPSG:32633"};
-const Vec2 origin{500000.0, 5540000.0};
+const Vec2 photo_origin{500000.0, 5540000.0};
 
 LabelMap map_of(int width, int height, double gsd_m, std::uint8_t label) {
   return {utm33,
-          {origin.x, origin.y, gsd_m, width, height},
+          {photo_origin.x, photo_origin.y, gsd_m, width, height},
           Raster<std::uint8_t>(width, height, 1, label),
           default_class_table()};
 }
@@ -31,8 +31,10 @@ ClassScore class_of(const LabelScores& scores, const std::string& name) {
   return {};
 }
 double iou_of(const LabelScores& scores, const std::string& name) { return class_of(scores, name).iou; }
-Polygon rectangle(double x0, double y0, double x1, double y1) {  // metres east and south of the origin
-  return {{origin + Vec2{x0, -y0}, origin + Vec2{x1, -y0}, origin + Vec2{x1, -y1}, origin + Vec2{x0, -y1}}, {}};
+Polygon rectangle(double x0, double y0, double x1, double y1) {  // metres east and south of the photo_origin
+  return {{photo_origin + Vec2{x0, -y0}, photo_origin + Vec2{x1, -y0}, photo_origin + Vec2{x1, -y1},
+           photo_origin + Vec2{x0, -y1}},
+          {}};
 }
 
 TEST(EvaluateLabels, equal_maps_are_perfect) {
@@ -99,7 +101,7 @@ TEST(EvaluateLabels, other_crs_is_looked_up_point_by_point) {
   // The same picture in zone 32, on a fine grid.
   const Crs utm32{"EPSG:32632"};
   const CoordinateTransform utm32_from_utm33(utm33, utm32);
-  const Vec2 corner = utm32_from_utm33.target_from_source(origin + Vec2{-5, 5});
+  const Vec2 corner = utm32_from_utm33.target_from_source(photo_origin + Vec2{-5, 5});
   LabelMap prediction = map_of(500, 500, 0.125, 0);
   prediction.crs = utm32, prediction.frame.west_m = corner.x, prediction.frame.north_m = corner.y;
   for (int row = 0; row < 500; ++row)

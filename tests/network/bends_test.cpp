@@ -13,7 +13,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Road;
 
 TEST(Bends, EasedCornersLieInThePlaneThatTheirNodesLayIn) {

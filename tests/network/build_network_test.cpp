@@ -8,7 +8,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Arc;
 using roadquery::ContactPoint;
 using roadquery::LinkKind;

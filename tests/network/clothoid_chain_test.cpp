@@ -23,11 +23,11 @@ struct Part {
   double length_m, curvature0, curvature1;
 };
 /// Points and headings every `step_m` on a road of such parts from the origin; its length is a multiple of the step.
-struct Road {
+struct ChainRoad {
   std::vector<Vec2> points;
   std::vector<double> headings;
 
-  Road(const std::vector<Part>& parts, double step_m) {
+  ChainRoad(const std::vector<Part>& parts, double step_m) {
     Vec2 start;
     double heading = 0.3, part_s = 0.0, s = 0.0;
     for (const Part& part : parts) {
@@ -111,7 +111,7 @@ void expect_feet(const ClothoidChain& chain, const std::vector<Vec2>& nodes) {
 }
 
 TEST(ClothoidChain, starts_as_the_spline_it_is_given) {
-  const Road road(one_bend, 4.0);
+  const ChainRoad road(one_bend, 4.0);
   const ClothoidChain chain = chain_through(road.points, road.headings, false, {.max_curvature_rate = 0.25});
   EXPECT_EQ(chain.elements().size(), road.points.size() - 1);
   expect_g2(chain.elements(), false);
@@ -119,7 +119,7 @@ TEST(ClothoidChain, starts_as_the_spline_it_is_given) {
 }
 
 TEST(ClothoidChain, takes_out_the_knots_that_an_exact_road_does_not_need) {
-  const Road road(one_bend, 4.0);
+  const ChainRoad road(one_bend, 4.0);
   ClothoidChain chain =
       chain_through(road.points, road.headings, false, {.tolerance_m = 0.02, .max_curvature_rate = 0.25});
   chain.remove_knots(1);
@@ -145,7 +145,7 @@ TEST(ClothoidChain, takes_out_the_knots_that_an_exact_road_does_not_need) {
 }
 
 TEST(ClothoidChain, lines_have_no_curvature_and_arcs_a_constant_one) {
-  const Road road(one_bend, 4.0);
+  const ChainRoad road(one_bend, 4.0);
   ClothoidChain chain = chain_through(road.points, road.headings, false, {.max_curvature_rate = 0.25});
   chain.snap_kinds();
   int lines = 0, arcs = 0;
@@ -165,7 +165,7 @@ TEST(ClothoidChain, lines_have_no_curvature_and_arcs_a_constant_one) {
 }
 
 TEST(ClothoidChain, keeps_every_knot_where_the_tolerance_leaves_no_room) {
-  const Road road(one_bend, 4.0);
+  const ChainRoad road(one_bend, 4.0);
   std::vector<Vec2> noisy = road.points;
   Random random(5);
   for (std::size_t i = 0; i < noisy.size(); ++i)
@@ -180,7 +180,7 @@ TEST(ClothoidChain, keeps_every_knot_where_the_tolerance_leaves_no_room) {
 }
 
 TEST(ClothoidChain, accepts_no_window_with_elements_below_the_least_length) {
-  const Road road(one_bend, 4.0);
+  const ChainRoad road(one_bend, 4.0);
   ClothoidChain chain = chain_through(road.points, road.headings, false,
                                       {.tolerance_m = 0.02, .min_element_m = 4.5, .max_curvature_rate = 0.25});
   chain.remove_knots(1);  // every window has neighbours of 4 m
@@ -190,7 +190,7 @@ TEST(ClothoidChain, accepts_no_window_with_elements_below_the_least_length) {
 TEST(ClothoidChain, curvature_and_its_change_stay_below_their_bounds) {
   // 90 degrees between straights, nodes at a radius of 10 m: the change of curvature is bounded to 0.02 / m^2, and no
   // removal may make the line sharper than 1 / 9 m.
-  const Road road({{40, 0, 0}, {8, 0, 0.1}, {8, 0.1, 0.1}, {8, 0.1, 0}, {40, 0, 0}}, 2.0);
+  const ChainRoad road({{40, 0, 0}, {8, 0, 0.1}, {8, 0.1, 0.1}, {8, 0.1, 0}, {40, 0, 0}}, 2.0);
   const std::vector<double> bound(road.points.size(), 1.0 / 9.0);
   const ChainLimits limits{.tolerance_m = 0.2, .max_curvature_rate = 0.02, .max_curvature = bound};
   ClothoidChain chain = chain_through(road.points, road.headings, false, limits);

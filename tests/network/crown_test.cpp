@@ -9,7 +9,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Cubic;
 
 double fall_at(const roadquery::Road& road, double s, double t) {

@@ -16,7 +16,7 @@
 namespace orthodrive::network {
 namespace {
 
-using orthodrive::testing::circle_points;
+using orthodrive::network_test::circle_points;
 using roadquery::Arc;
 using roadquery::Cubic;
 using roadquery::Line;
@@ -72,13 +72,14 @@ void expect_fits(const PlanFit& fit, const std::vector<Vec2>& points, const FitP
 }
 
 /// A road of (length, curvature at its start, at its end), sampled every 2 m, in UTM coordinates.
-struct Stretch {
+struct LineStretch {
   double length, k0, k1;
 };
-std::vector<PlanElement> plan_of(const std::vector<Stretch>& stretches, Vec2 start = orthodrive::testing::site_origin) {
+std::vector<PlanElement> plan_of(const std::vector<LineStretch>& stretches,
+                                 Vec2 start = orthodrive::network_test::site_origin) {
   std::vector<PlanElement> plan;
   PlanElement next{.x = start.x, .y = start.y, .hdg = 0.4};
-  for (const Stretch& stretch : stretches) {
+  for (const LineStretch& stretch : stretches) {
     next.length = stretch.length;
     next.shape = roadquery::Spiral{stretch.k0, stretch.k1};
     plan.push_back(next);
@@ -98,8 +99,8 @@ std::vector<Vec2> sample(const std::vector<PlanElement>& plan, double noise_m = 
   return points;
 }
 /// Two bends with transitions as roads have them: 9 elements.
-const std::vector<Stretch> s_bend{{120, 0, 0},    {40, 0, 0.01},      {90, 0.01, 0.01}, {40, 0.01, 0}, {60, 0, 0},
-                                  {30, 0, -0.02}, {50, -0.02, -0.02}, {30, -0.02, 0},   {120, 0, 0}};
+const std::vector<LineStretch> s_bend{{120, 0, 0},    {40, 0, 0.01},      {90, 0.01, 0.01}, {40, 0.01, 0}, {60, 0, 0},
+                                      {30, 0, -0.02}, {50, -0.02, -0.02}, {30, -0.02, 0},   {120, 0, 0}};
 
 TEST(FitPlan, straight_points_give_one_line) {
   std::vector<Vec2> points;
@@ -284,7 +285,7 @@ TEST(FitPlan, reversed_points_give_a_line_as_near_and_about_as_short) {
 
 /// Fits a line of `s_bends` bends; seconds of processor time.
 double fit_long_line(int s_bends) {
-  std::vector<Stretch> stretches;
+  std::vector<LineStretch> stretches;
   for (int i = 0; i < s_bends; ++i) stretches.insert(stretches.end(), s_bend.begin(), s_bend.end());
   const std::vector<Vec2> points = sample(plan_of(stretches));
   EXPECT_GT(points.size(), 238u * static_cast<std::size_t>(s_bends));

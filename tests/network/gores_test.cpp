@@ -11,7 +11,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using network::gore_mark;
 using roadquery::Road;
 using roadquery::RoadObject;

@@ -21,7 +21,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::JunctionHeight;
 using roadquery::JunctionSurface;
 using roadquery::RoadMap;

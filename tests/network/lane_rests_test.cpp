@@ -10,7 +10,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using network::LaneRests;
 using roadquery::Lane;
 using roadquery::LaneType;

@@ -11,7 +11,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Lane;
 using roadquery::LaneType;
 using roadquery::Road;

@@ -14,7 +14,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 
 /// A gravel track that ends on a secondary road of asphalt; a street of setts crosses that further on.
 RoadNetwork three_surfaces() {

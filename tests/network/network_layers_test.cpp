@@ -19,7 +19,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Road;
 using roadquery::RoadMap;
 

@@ -14,7 +14,7 @@
 #include "orthodrive/network/build_network.hpp"
 #include "roadquery/road_surface.hpp"
 
-namespace orthodrive::testing {
+namespace orthodrive::network_test {
 
 inline const Vec2 site_origin{650000.0, 6400000.0};  // UTM, where single digits of a double count
 
@@ -269,4 +269,4 @@ inline std::vector<const roadquery::Road*> connecting_roads(const roadquery::Roa
   return roads;
 }
 
-}  // namespace orthodrive::testing
+}  // namespace orthodrive::network_test

@@ -22,7 +22,7 @@ namespace orthodrive {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using roadquery::Road;
 using ::testing::HasSubstr;
 using ::testing::Not;

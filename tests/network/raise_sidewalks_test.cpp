@@ -9,7 +9,7 @@
 namespace orthodrive {
 namespace {
 
-using namespace orthodrive::testing;
+using namespace orthodrive::network_test;
 using network::kerb_m;
 using network::lowered_kerb_m;
 using roadquery::Lane;

@@ -12,10 +12,10 @@
 namespace orthodrive::network {
 namespace {
 
-using orthodrive::testing::circle_points;
-using orthodrive::testing::make_path;
-using orthodrive::testing::network_of;
-using orthodrive::testing::site_origin;
+using orthodrive::network_test::circle_points;
+using orthodrive::network_test::make_path;
+using orthodrive::network_test::network_of;
+using orthodrive::network_test::site_origin;
 
 struct Built {
   Topology topology;

@@ -40,7 +40,7 @@ Polygon around(double lon, double lat, double half_deg = 0.01) {
   return polygon_of_box({lon - half_deg, lat - half_deg, lon + half_deg, lat + half_deg});
 }
 
-NewSiteOptions at(double lon, double lat, double half_deg = 0.01) {
+NewSiteOptions area_at(double lon, double lat, double half_deg = 0.01) {
   return {.name = "Here",
           .area = around(lon, lat, half_deg),
           .box = LonLatBox{lon - half_deg, lat - half_deg, lon + half_deg, lat + half_deg}};
@@ -167,21 +167,23 @@ TEST(Catalogue, mistakes_in_its_files_are_told_with_their_line) {
 }
 
 TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
-  EXPECT_THAT(new_site(catalogue(), at(16.37, 48.21)).sources, ElementsAre("at-basemap", "osm-overpass", "at-als-dtm"));
-  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.14)).sources,
+  EXPECT_THAT(new_site(catalogue(), area_at(16.37, 48.21)).sources,
+              ElementsAre("at-basemap", "osm-overpass", "at-als-dtm"));
+  EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.14)).sources,
               ElementsAre("de-by-dop20", "osm-overpass", "de-by-dgm1"));
-  EXPECT_THAT(new_site(catalogue(), at(-105.2, 40.0)).sources, ElementsAre("us-naip", "osm-overpass", "us-3dep-1m"));
+  EXPECT_THAT(new_site(catalogue(), area_at(-105.2, 40.0)).sources,
+              ElementsAre("us-naip", "osm-overpass", "us-3dep-1m"));
   // Where the national model has to be fetched by hand, the world's goes in.
-  EXPECT_THAT(new_site(catalogue(), at(7.45, 46.95)).sources,
+  EXPECT_THAT(new_site(catalogue(), area_at(7.45, 46.95)).sources,
               ElementsAre("ch-swissimage", "osm-overpass", "copernicus-glo30"));
   // More than Overpass should be asked for.
-  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.44, 0.13)).sources,
+  EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.44, 0.13)).sources,
               ElementsAre("de-by-dop20", "osm-geofabrik", "de-by-dgm1"));
 }
 
 TEST(NewSite, what_it_writes_is_a_site_file_with_a_fetch_table_a_source) {
   const Scratch scratch;
-  const NewSite made = new_site(catalogue(), at(14.42, 50.09));
+  const NewSite made = new_site(catalogue(), area_at(14.42, 50.09));
   EXPECT_TRUE(made.findings.empty());
   write_bytes(scratch / "here.toml", made.text);
   const Site site = read_site(scratch / "here.toml");
@@ -196,13 +198,13 @@ TEST(NewSite, what_it_writes_is_a_site_file_with_a_fetch_table_a_source) {
   EXPECT_EQ(tables, 3u);
   EXPECT_THAT(made.text, AllOf(HasSubstr("vertical_datum = \"Bpv\""), HasSubstr("layer = \"GR_ORTFOTORGB\""),
                                HasSubstr("to = \"sources/roads.osm\""), HasSubstr("resolution_m = 0.2\n")));
-  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.44, 0.13)).text,
+  EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.44, 0.13)).text,
               HasSubstr("url = \"https://download.geofabrik.de/europe/germany/bayern-latest.osm.pbf\""));
 }
 
 TEST(NewSite, a_polygon_and_odd_names_survive_writing_and_reading) {
   const Scratch scratch;
-  NewSiteOptions options = at(14.42, 50.09);
+  NewSiteOptions options = area_at(14.42, 50.09);
   options.box.reset();
   options.name = "U \"Zlatého\" \\ lva\n\x01";
   options.area.holes.push_back({{14.418, 50.088}, {14.418, 50.092}, {14.422, 50.092}});
@@ -214,7 +216,7 @@ TEST(NewSite, a_polygon_and_odd_names_survive_writing_and_reading) {
 }
 
 TEST(NewSite, a_border_with_very_many_corners_is_simplified_and_said) {
-  NewSiteOptions options = at(14.42, 50.09);
+  NewSiteOptions options = area_at(14.42, 50.09);
   options.box.reset();
   options.area.outer.clear();
   for (int i = 0; i < 9000; ++i) {
@@ -231,7 +233,7 @@ TEST(NewSite, a_border_with_very_many_corners_is_simplified_and_said) {
 }
 
 TEST(NewSite, local_files_take_the_place_of_sources) {
-  NewSiteOptions options = at(0.0, 0.0);  // the sea
+  NewSiteOptions options = area_at(0.0, 0.0);  // the sea
   options.photo_files = {"my photo.tif"};
   options.osm_file = "../roads.osm";
   options.dtm_files = {"a.tif", "b.tif"};
@@ -246,7 +248,7 @@ TEST(NewSite, local_files_take_the_place_of_sources) {
 }
 
 TEST(NewSite, photos_are_named_by_priority_each_with_its_fetch_table) {
-  NewSiteOptions options = at(0.0, 0.0);
+  NewSiteOptions options = area_at(0.0, 0.0);
   options.box = LonLatBox{12.75, 47.945, 13.02, 47.955};  // across the border of Bavaria and Austria
   options.area = polygon_of_box(*options.box);
   options.photos = {"at-basemap", "de-by-dop20"};
@@ -264,7 +266,7 @@ TEST(NewSite, photos_are_named_by_priority_each_with_its_fetch_table) {
 }
 
 TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
-  NewSiteOptions options = at(0.0, 0.0);
+  NewSiteOptions options = area_at(0.0, 0.0);
   options.box = LonLatBox{12.75, 47.945, 13.02, 47.955};  // across the border of Bavaria and Austria
   options.area = polygon_of_box(*options.box);
   const NewSite made = new_site(catalogue(), options);
@@ -284,13 +286,14 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
     }
     return std::string("none");
   };
-  EXPECT_THAT(message(at(0.0, 0.0)), AllOf(HasSubstr("no photo of the catalogue can be fetched for 0.00000, 0.00000"),
-                                           HasSubstr("Austria"), HasSubstr("--photo-file")));
-  EXPECT_THAT(message(at(50.09, 14.42)),
+  EXPECT_THAT(message(area_at(0.0, 0.0)),
+              AllOf(HasSubstr("no photo of the catalogue can be fetched for 0.00000, 0.00000"), HasSubstr("Austria"),
+                    HasSubstr("--photo-file")));
+  EXPECT_THAT(message(area_at(50.09, 14.42)),
               HasSubstr("with longitude first it would be --bbox 14.41,50.08,14.43,50.1, where cz-ortofoto is"));
-  EXPECT_THAT(message(at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
-  EXPECT_THAT(message(at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
-  NewSiteOptions options = at(14.42, 50.09);
+  EXPECT_THAT(message(area_at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
+  EXPECT_THAT(message(area_at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
+  NewSiteOptions options = area_at(14.42, 50.09);
   options.photos = {"cz-ortfoto"};
   EXPECT_THAT(message(options),
               HasSubstr("--photo cz-ortfoto: the catalogue has no such source; did you mean 'cz-ortofoto'?"));
@@ -299,7 +302,7 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
   options.photos = {"copernicus-glo30"};
   EXPECT_THAT(message(options), HasSubstr("no such source"));
   // A source that has to be fetched by hand can be named: the site file says how.
-  NewSiteOptions swedish = at(18.07, 59.33);
+  NewSiteOptions swedish = area_at(18.07, 59.33);
   swedish.photos = {"se-ortofoto"};
   const NewSite made = new_site(catalogue(), swedish);
   EXPECT_EQ(made.findings.front().code, "new.by_hand");

@@ -26,7 +26,7 @@ fs::path site_file(const std::string& text) {
 }
 
 template <typename E>
-std::string message_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+std::string site_message_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
     (void)read_site(site_file(text), overrides);
   } catch (const E& error) {
@@ -77,14 +77,14 @@ TEST(Site, overrides_take_toml_values_and_bare_words) {
 TEST(Site, weather_is_dry_or_wet) {
   EXPECT_EQ(read_site(site_file(area + sources)).weather, Weather::dry);
   EXPECT_EQ(read_site(site_file(area + sources + "[network]\nweather = \"wet\"\n")).weather, Weather::wet);
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"network.weather=snow"}),
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"network.weather=snow"}),
               HasSubstr("--set network.weather=snow: 'network.weather' must be dry or wet"));
 }
 
 TEST(Site, the_network_adapts_to_a_site_that_asks_for_it) {
   EXPECT_FALSE(read_site(site_file(area + sources)).adapt);
   EXPECT_TRUE(read_site(site_file(area + sources + "[segment]\nadapt = true\n")).adapt);
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"segment.adapt=very"}),
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"segment.adapt=very"}),
               HasSubstr("'segment.adapt' must be true or false"));
 }
 
@@ -105,7 +105,7 @@ TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   EXPECT_TRUE(site.gpx[1].is_absolute());
   EXPECT_EQ(site.gpx[1].filename(), "c.gpx");
   EXPECT_EQ(site.driving_side, DrivingSide::left);
-  EXPECT_THAT(message_of<InputError>(area + sources + "[refine]\ndriving_side='up'\n"),
+  EXPECT_THAT(site_message_of<InputError>(area + sources + "[refine]\ndriving_side='up'\n"),
               HasSubstr("site.toml:8: 'refine.driving_side' must be right or left, not 'up'"));
 }
 
@@ -117,7 +117,8 @@ TEST(Site, network_files_are_chosen_in_their_section) {
       read_site(site_file(area + sources + "[network]\ncrg=['way/7', 'all-of-route']\nopendrive='1.8'\n"));
   EXPECT_EQ(site.crg, (std::vector<std::string>{"way/7", "all-of-route"}));
   EXPECT_EQ(site.opendrive, "1.8");
-  EXPECT_THAT(message_of<InputError>(area + sources + "[network]\nopendrive='1.6'\n"), HasSubstr("network.opendrive"));
+  EXPECT_THAT(site_message_of<InputError>(area + sources + "[network]\nopendrive='1.6'\n"),
+              HasSubstr("network.opendrive"));
 }
 
 /// What a site file says of itself, after the name of the file.
@@ -169,15 +170,15 @@ TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
   };
   for (const Mistake& mistake : mistakes) {
     SCOPED_TRACE(mistake.text);
-    const std::string message = message_of<InputError>(mistake.text);
+    const std::string message = site_message_of<InputError>(mistake.text);
     EXPECT_THAT(message, HasSubstr("site.toml"));
     EXPECT_THAT(message, HasSubstr(mistake.message));
     EXPECT_EQ(message.find('\n'), std::string::npos);
   }
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"nonsense"}), HasSubstr("section.key=value"));
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"sources.foto=x.tif"}),
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"nonsense"}), HasSubstr("section.key=value"));
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"sources.foto=x.tif"}),
               HasSubstr("--set sources.foto=x.tif: 'sources.foto' is not known here; did you mean 'photo'?"));
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"drive.route=[1]"}), HasSubstr("--set drive.route=[1]: "));
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"drive.route=[1]"}), HasSubstr("--set drive.route=[1]: "));
   EXPECT_THROW((void)read_site("/nonexistent/site.toml"), InputError);
 }
 

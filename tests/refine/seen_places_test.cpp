@@ -11,7 +11,7 @@ namespace orthodrive {
 namespace {
 
 /// A way from west to east, `length` long.
-RoadNetwork straight(double length) {
+RoadNetwork straight_roads(double length) {
   RoadPath path;
   path.osm_id = 1;
   path.highway = "residential";
@@ -30,7 +30,7 @@ RoadAlignment told(double length, Vec2 displacement, double sigma, double half_w
 }
 
 TEST(SeenPlaces, LieAcrossTheChainWhicheverWayItRuns) {
-  const RoadNetwork roads = straight(100.0);
+  const RoadNetwork roads = straight_roads(100.0);
   RoadChain chain = build_chains(roads, {}).front();
   const RoadAlignment alignment = told(100.0, {0.7, 1.5}, 0.4, 3.5);
   for (const bool turned : {false, true}) {
@@ -50,7 +50,7 @@ TEST(SeenPlaces, LieAcrossTheChainWhicheverWayItRuns) {
 }
 
 TEST(SeenPlaces, TakeTheNearestPlaceAndNoneFarAway) {
-  const RoadChain chain = build_chains(straight(100.0), {}).front();
+  const RoadChain chain = build_chains(straight_roads(100.0), {}).front();
   RoadAlignment alignment(1);
   for (double s = 0.0; s <= 50.0; s += 2.0) alignment[0].push_back({s, {{0.0, s}, 0.5, 3.0, 0.5}});
   const auto seen = refine::seen_on_chain(chain, alignment);
@@ -65,7 +65,7 @@ TEST(SeenPlaces, TakeTheNearestPlaceAndNoneFarAway) {
 }
 
 TEST(SeenPlaces, MoveARoadThatNoLabelShows) {
-  const RoadNetwork roads = straight(200.0);
+  const RoadNetwork roads = straight_roads(200.0);
   RoadEvidence nothing{roads.crs, {-50.0, 50.0, 0.5, 600, 200}, {}, {}};
   nothing.outside = nothing.inside = Raster<std::uint8_t>(600, 200);
   const auto refined = [&](const RoadAlignment& alignment) {

@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 const Crs utm33{"EPSG:32633"};
-const Vec2 origin{500000.0, 5540000.0};
+const Vec2 map_origin{500000.0, 5540000.0};
 constexpr std::uint8_t ground = 0, road = 1, building = 3;
 
-LabelMap map_of(int width, int height, std::uint8_t label, double gsd_m = 1.0) {
+LabelMap labels_of(int width, int height, std::uint8_t label, double gsd_m = 1.0) {
   return {utm33,
-          {origin.x, origin.y, gsd_m, width, height},
+          {map_origin.x, map_origin.y, gsd_m, width, height},
           Raster<std::uint8_t>(width, height, 1, label),
           default_class_table()};
 }
@@ -36,9 +36,9 @@ void paint(LabelMap& map, int col0, int row0, int col1, int row1, std::uint8_t l
   for (int row = row0; row < row1; ++row)
     for (int col = col0; col < col1; ++col) map.labels.at(col, row) = label;
 }
-/// From column and row to column and row, of 1 m from the origin.
+/// From column and row to column and row, of 1 m from the map_origin.
 io::Feature square(int col0, int row0, int col1, int row1, std::map<std::string, std::string> tags) {
-  const auto at = [](double col, double row) { return origin + Vec2{col, -row}; };
+  const auto at = [](double col, double row) { return map_origin + Vec2{col, -row}; };
   return {.polygons = {{{at(col0, row0), at(col1, row0), at(col1, row1), at(col0, row1)}, {}}},
           .tags = std::move(tags)};
 }
@@ -49,7 +49,7 @@ LabelTruth painted(const Scratch& scratch, const std::vector<io::Feature>& featu
 
 TEST(LabelTruthFromPolygons, later_features_cover_earlier_ones) {
   const Scratch scratch;
-  const LabelMap prediction = map_of(20, 10, road);
+  const LabelMap prediction = labels_of(20, 10, road);
   const LabelTruth truth =
       painted(scratch,
               {square(0, 0, 10, 10, {{"class", "ground"}}), square(0, 4, 10, 8, {{"class", "road"}}),
@@ -67,7 +67,7 @@ TEST(LabelTruthFromPolygons, later_features_cover_earlier_ones) {
 
 TEST(LabelTruthFromPolygons, pieces_in_the_order_of_the_file_and_a_class_nobody_predicts) {
   const Scratch scratch;
-  const LabelMap prediction = map_of(20, 10, road);
+  const LabelMap prediction = labels_of(20, 10, road);
   const LabelTruth truth = painted(
       scratch,
       {square(5, 0, 10, 10, {{"class", "road"}, {"piece", "b"}}),
@@ -131,7 +131,7 @@ TEST(MergeTableFile, faults_name_file_and_line) {
 
 TEST(ConfidenceFile, reads_back_what_was_written_and_refuses_a_photo) {
   const Scratch scratch;
-  ConfidenceMap map{utm33, {origin.x, origin.y, 0.5, 30, 20}, Raster<std::uint8_t>(30, 20, 1, 7)};
+  ConfidenceMap map{utm33, {map_origin.x, map_origin.y, 0.5, 30, 20}, Raster<std::uint8_t>(30, 20, 1, 7)};
   map.confidence.at(29, 19) = 255, map.confidence.at(3, 0) = 0;
   io::write_confidence(scratch / "confidence.tif", map);
   const ConfidenceMap read = io::read_confidence(scratch / "confidence.tif");
@@ -164,7 +164,7 @@ Color color_at(const Canvas& canvas, int col, int row) {
 }
 
 TEST(PictureOfErrors, grey_where_right_colour_where_wrong_pale_where_not_scored) {
-  LabelMap truth = map_of(8, 8, ground), prediction = truth;
+  LabelMap truth = labels_of(8, 8, ground), prediction = truth;
   paint(prediction, 0, 0, 1, 1, building);
   truth.labels.at(7, 7) = label_nodata;
   const LabelComparisonView view(prediction, truth);
@@ -180,7 +180,7 @@ TEST(PictureOfErrors, grey_where_right_colour_where_wrong_pale_where_not_scored)
 }
 
 TEST(PictureOfErrors, one_wrong_pixel_still_shows_in_a_reduced_picture) {
-  const LabelMap truth = map_of(8, 8, ground);
+  const LabelMap truth = labels_of(8, 8, ground);
   LabelMap prediction = truth;
   paint(prediction, 0, 0, 1, 1, building);
   const LabelComparisonView view(prediction, truth);
@@ -204,7 +204,7 @@ TEST(PictureOfErrors, grey_classes_get_vivid_colours_of_their_own) {
 }
 
 TEST(LabelPlaces, worst_tiles_first_and_pieces_by_accuracy) {
-  const LabelMap truth = map_of(20, 10, ground);
+  const LabelMap truth = labels_of(20, 10, ground);
   LabelMap prediction = truth;
   paint(prediction, 9, 0, 10, 3, road);    // 3 px in tile 2 of 4, columns 8..11
   paint(prediction, 16, 8, 20, 10, road);  // 8 px in the last
@@ -213,10 +213,10 @@ TEST(LabelPlaces, worst_tiles_first_and_pieces_by_accuracy) {
   ASSERT_EQ(places.size(), 2u) << "tiles without errors are not listed";
   EXPECT_EQ(places[0].wrong, 8u);
   EXPECT_EQ(places[0].pixels, 8u) << "cut off by the edge of the map";
-  EXPECT_DOUBLE_EQ(places[0].box.min_x, origin.x + 16.0);
-  EXPECT_DOUBLE_EQ(places[0].box.min_y, origin.y - 10.0);
+  EXPECT_DOUBLE_EQ(places[0].box.min_x, map_origin.x + 16.0);
+  EXPECT_DOUBLE_EQ(places[0].box.min_y, map_origin.y - 10.0);
   EXPECT_EQ(places[1].wrong, 3u);
-  EXPECT_DOUBLE_EQ(places[1].box.max_y, origin.y);
+  EXPECT_DOUBLE_EQ(places[1].box.max_y, map_origin.y);
   EXPECT_EQ(worst_places(view, 4, 1).size(), 1u);
 
   TruthPieces pieces{{"good", "empty", "bad"}, Raster<std::uint16_t>(20, 10)};
@@ -234,7 +234,7 @@ TEST(LabelPlaces, worst_tiles_first_and_pieces_by_accuracy) {
 class LabelPage : public testing::Test {
  protected:
   LabelPage() {
-    LabelMap truth = map_of(64, 64, ground), prediction = truth;
+    LabelMap truth = labels_of(64, 64, ground), prediction = truth;
     paint(truth, 0, 20, 64, 30, road);
     paint(prediction, 0, 20, 64, 29, road);  // 64 of 640 px missed: 10 % of the road is taken for ground
     paint(prediction, 0, 63, 1, 64, 6);      // one pixel of water, which the truth has not
@@ -320,10 +320,10 @@ TEST_F(LabelPage, options_and_files_that_do_not_fit) {
   EXPECT_THROW(score({.page = scratch_ / "page"}, "roads.geojson"), OptionError);
   EXPECT_DOUBLE_EQ(score({}, "roads.geojson")["road_iou"], 0.9);
   io::write_confidence(scratch_ / "other.tif",
-                       {utm33, {origin.x, origin.y, 1.0, 63, 64}, Raster<std::uint8_t>(63, 64)});
+                       {utm33, {map_origin.x, map_origin.y, 1.0, 63, 64}, Raster<std::uint8_t>(63, 64)});
   EXPECT_THROW(score({.confidence = scratch_ / "other.tif"}), InputError);
   EXPECT_THROW(score({.page = scratch_ / "page", .photo = scratch_ / "none.tif"}), InputError);
-  GridFrame far{origin.x + 9000.0, origin.y, 1.0, 64, 64};
+  GridFrame far{map_origin.x + 9000.0, map_origin.y, 1.0, 64, 64};
   io::write_photo(scratch_ / "far.tif", photo_of(far, {90, 120, 60}));
   EXPECT_THROW(score({.page = scratch_ / "page", .photo = scratch_ / "far.tif"}), InputError);
   write_bytes(scratch_ / "bad.toml", "shed = \"detached\"\n");

@@ -36,7 +36,7 @@ std::shared_ptr<const SceneLayout> lay_out(const Site& site, const std::vector<B
 
 Polygon footprint_of(const scene::PlacedBuilding& building) { return moved(building.footprint, building.middle); }
 
-double shared_m2(const Polygon& a, const MultiPolygon& b) {
+double footprint_shared_m2(const Polygon& a, const MultiPolygon& b) {
   double sum = 0.0;
   const Vec2 from = a.outer.front() * -1.0;
   for (const Polygon& other : b)
@@ -49,10 +49,10 @@ double shared_m2(const Polygon& a, const MultiPolygon& b) {
 void expect_apart(const SceneLayout& layout) {
   for (std::size_t i = 0; i < layout.buildings.size(); ++i) {
     const Polygon own = footprint_of(layout.buildings[i]);
-    EXPECT_EQ(shared_m2(own, layout.roads.polygons()), 0.0) << i;
-    for (const scene::RoadLevel& deck : layout.decks) EXPECT_EQ(shared_m2(own, deck.polygons()), 0.0) << i;
+    EXPECT_EQ(footprint_shared_m2(own, layout.roads.polygons()), 0.0) << i;
+    for (const scene::RoadLevel& deck : layout.decks) EXPECT_EQ(footprint_shared_m2(own, deck.polygons()), 0.0) << i;
     for (std::size_t k = 0; k < i; ++k)
-      EXPECT_LT(shared_m2(own, {footprint_of(layout.buildings[k])}), 0.011) << i << ' ' << k;
+      EXPECT_LT(footprint_shared_m2(own, {footprint_of(layout.buildings[k])}), 0.011) << i << ' ' << k;
   }
 }
 

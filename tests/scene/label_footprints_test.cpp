@@ -12,10 +12,10 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr std::uint8_t building = 3, vegetation = 4;  // of default_class_table()
+constexpr std::uint8_t building = 3, green = 4;  // of default_class_table()
 constexpr Vec2 corner{500000.0, 5400000.0};
 
-LabelMap ground() {
+LabelMap bare_ground() {
   LabelMap labels{Crs{"EPSG:32633"}, {corner.x, corner.y + 200.0, 0.5, 400, 400}, {}, default_class_table()};
   labels.labels = Raster<std::uint8_t>(400, 400);
   return labels;
@@ -59,7 +59,7 @@ double difference(const LabelMap& labels, const Polygon& a, const Polygon& b) {
 
 TEST(LabelFootprints, a_turned_rectangle_comes_back_with_four_corners) {
   for (const double angle : {0.0, 0.3, 0.8, 1.3, 2.9}) {
-    LabelMap labels = ground();
+    LabelMap labels = bare_ground();
     const Polygon truth = turned({{-12, -6}, {12, -6}, {12, 6}, {-12, 6}}, {100, 100}, angle);
     paint(labels, truth);
     const auto found = footprints_of_labels(labels, {});
@@ -71,7 +71,7 @@ TEST(LabelFootprints, a_turned_rectangle_comes_back_with_four_corners) {
 }
 
 TEST(LabelFootprints, an_l_stays_an_l_though_its_border_is_frayed) {
-  LabelMap labels = ground();
+  LabelMap labels = bare_ground();
   const Polygon truth = turned({{0, 0}, {30, 0}, {30, 10}, {10, 10}, {10, 25}, {0, 25}}, {80, 80}, 0.4);
   paint(labels, truth);
   Random random(3);
@@ -88,7 +88,7 @@ TEST(LabelFootprints, an_l_stays_an_l_though_its_border_is_frayed) {
 }
 
 TEST(LabelFootprints, what_the_map_knows_is_not_found_again) {
-  LabelMap labels = ground();
+  LabelMap labels = bare_ground();
   const Polygon known = turned({{0, 0}, {20, 0}, {20, 12}, {0, 12}}, {50, 50}, 0.2);
   paint(labels, turned({{2, 2}, {23, 2}, {23, 14}, {2, 14}}, {50, 50}, 0.2));  // its roof leans
   paint(labels, turned({{0, 0}, {20, 0}, {20, 12}, {0, 12}}, {120, 120}, 0.2));
@@ -98,17 +98,17 @@ TEST(LabelFootprints, what_the_map_knows_is_not_found_again) {
 }
 
 TEST(LabelFootprints, small_thin_and_ragged_patches_are_no_buildings) {
-  LabelMap labels = ground();
+  LabelMap labels = bare_ground();
   paint(labels, turned({{0, 0}, {6, 0}, {6, 6}, {0, 6}}, {20, 20}, 0.0));    // 36 m2
   paint(labels, turned({{0, 0}, {80, 0}, {80, 3}, {0, 3}}, {20, 50}, 0.3));  // a wall, a pavement
   for (int i = 0; i < 4; ++i) paint(labels, turned({{0, 0}, {40, 0}, {40, 4}, {0, 4}}, {140, 140}, 0.8 * i));  // a star
-  paint(labels, turned({{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {150, 40}, 0.0), vegetation);
+  paint(labels, turned({{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {150, 40}, 0.0), green);
   EXPECT_TRUE(footprints_of_labels(labels, {}).empty());
-  EXPECT_TRUE(footprints_of_labels(ground(), {}).empty());
+  EXPECT_TRUE(footprints_of_labels(bare_ground(), {}).empty());
 }
 
 TEST(LabelFootprints, courtyards_stay_open) {
-  LabelMap labels = ground();
+  LabelMap labels = bare_ground();
   paint(labels, turned({{0, 0}, {40, 0}, {40, 40}, {0, 40}}, {60, 60}, 0.0));
   paint(labels, turned({{12, 12}, {28, 12}, {28, 28}, {12, 28}}, {60, 60}, 0.0), 0);
   const auto found = footprints_of_labels(labels, {});
@@ -119,7 +119,7 @@ TEST(LabelFootprints, courtyards_stay_open) {
 }
 
 TEST(LabelFootprints, a_map_that_is_all_building_is_one) {
-  LabelMap labels = ground();
+  LabelMap labels = bare_ground();
   std::ranges::fill(labels.labels.data, building);
   EXPECT_EQ(footprints_of_labels(labels, {}).size(), 1U);
   std::ranges::fill(labels.labels.data, label_nodata);

@@ -12,7 +12,7 @@
 namespace orthodrive::scene {
 namespace {
 
-double area_m2(const std::vector<MarkingPiece>& pieces) {
+double summed_m2(const std::vector<MarkingPiece>& pieces) {
   double sum = 0.0;
   for (const MarkingPiece& p : pieces) {
     const double area = 0.5 * (cross(p[1] - p[0], p[2] - p[0]) + cross(p[2] - p[0], p[3] - p[0]));
@@ -43,7 +43,7 @@ TEST(RoadPaint, zebra_has_bars_along_the_road_as_many_as_fit) {
   roadquery::RoadObject zebra{.type = "crosswalk", .subtype = "zebra"};
   zebra.outline = {{48.0, -3.0}, {52.0, -3.0}, {52.0, 3.0}, {48.0, 3.0}};
   const auto pieces = road_paint(road_with(zebra));
-  EXPECT_NEAR(area_m2(pieces), 6 * 0.5 * 4.0, 1e-9) << "six bars with five gaps in 6 m";
+  EXPECT_NEAR(summed_m2(pieces), 6 * 0.5 * 4.0, 1e-9) << "six bars with five gaps in 6 m";
   const Box2 box = bounds_of(pieces);
   EXPECT_NEAR(box.min_x, 48.0, 1e-9);
   EXPECT_NEAR(box.max_x, 52.0, 1e-9);
@@ -52,7 +52,7 @@ TEST(RoadPaint, zebra_has_bars_along_the_road_as_many_as_fit) {
   zebra.subtype = "virtual";
   EXPECT_TRUE(road_paint(road_with(zebra)).empty());
   zebra.subtype = "pedestrian";
-  EXPECT_NEAR(area_m2(road_paint(road_with(zebra))), 2 * 8 * 0.5 * 0.12, 1e-9) << "eight strokes and gaps of 0.7 m";
+  EXPECT_NEAR(summed_m2(road_paint(road_with(zebra))), 2 * 8 * 0.5 * 0.12, 1e-9) << "eight strokes and gaps of 0.7 m";
 }
 
 /// From nothing at 20 m to 3 m at 50 m, left of the road's edge.
@@ -70,7 +70,7 @@ TEST(RoadPaint, gores_have_lines_along_both_sides_and_strokes_over_a_third_of_th
   EXPECT_NEAR(box.min_y, 3.0, 1e-9);
   EXPECT_NEAR(box.max_y, 6.0, 1e-9);
   // Lines of 0.15 m, narrower where both meet; strokes of 0.5 m every 1.5 m.
-  EXPECT_NEAR(area_m2(pieces), 2.0 * 30.0 * 0.15 + 45.0 / 3.0, 1.0);
+  EXPECT_NEAR(summed_m2(pieces), 2.0 * 30.0 * 0.15 + 45.0 / 3.0, 1.0);
   for (const MarkingPiece& piece : pieces)
     for (const Vec2 p : piece) EXPECT_LE(p.y, 3.0 + 0.1 * (p.x - 20.0) + 1e-9) << "inside the outline";
 }
@@ -78,8 +78,8 @@ TEST(RoadPaint, gores_have_lines_along_both_sides_and_strokes_over_a_third_of_th
 TEST(RoadPaint, gores_look_the_same_whichever_way_their_outline_runs) {
   roadquery::RoadObject other = gore();
   std::reverse(other.outline.begin(), other.outline.end());
-  const double area = area_m2(road_paint(road_with(gore())));
-  EXPECT_NEAR(area_m2(road_paint(road_with(other))), area, 1e-9);
+  const double area = summed_m2(road_paint(road_with(gore())));
+  EXPECT_NEAR(summed_m2(road_paint(road_with(other))), area, 1e-9);
   other.outline.pop_back();
   EXPECT_TRUE(road_paint(road_with(other)).empty()) << "no two sides";
   other.outline = {{20.0, 3.0}, {35.0, 3.0}, {35.0, 3.0}, {20.0, 3.0}};
@@ -89,9 +89,9 @@ TEST(RoadPaint, gores_look_the_same_whichever_way_their_outline_runs) {
 TEST(RoadPaint, stop_lines_are_solid_and_give_way_lines_are_blocks) {
   roadquery::RoadObject line{.type = "roadMark", .subtype = "signalLines", .name = "stop line"};
   line.s = 50.0, line.t = -1.5, line.length = 0.5, line.width = 3.0;
-  EXPECT_NEAR(area_m2(road_paint(road_with(line))), 1.5, 1e-9);
+  EXPECT_NEAR(summed_m2(road_paint(road_with(line))), 1.5, 1e-9);
   line.name = "give way line";
-  EXPECT_NEAR(area_m2(road_paint(road_with(line))), 4 * 0.25, 1e-9) << "four blocks and three gaps in 2.75 m";
+  EXPECT_NEAR(summed_m2(road_paint(road_with(line))), 4 * 0.25, 1e-9) << "four blocks and three gaps in 2.75 m";
 }
 
 TEST(RoadPaint, arrows_fill_their_box_and_point_the_right_way) {
@@ -100,7 +100,7 @@ TEST(RoadPaint, arrows_fill_their_box_and_point_the_right_way) {
   const auto at = [&](const char* subtype, double hdg) {
     arrow.subtype = subtype, arrow.hdg = hdg;
     const auto pieces = road_paint(road_with(arrow));
-    EXPECT_GT(area_m2(pieces), 0.5) << subtype;
+    EXPECT_GT(summed_m2(pieces), 0.5) << subtype;
     const Box2 box = bounds_of(pieces);
     EXPECT_GE(box.min_x, 47.5 - 1e-9);
     EXPECT_LE(box.max_x, 52.5 + 1e-9);
