@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <string>
@@ -24,12 +24,13 @@ struct DriveArguments {
 };
 
 Vec2 parse_point(const std::string& text) {
-  Vec2 p;
-  char comma = 0, rest = 0;
-  if (std::sscanf(text.c_str(), "%lf%c%lf%c", &p.x, &comma, &p.y, &rest) != 3 || comma != ',') {
-    throw OptionError("--via " + text + ": need two numbers, x,y in metres of the site CRS");
+  char *comma = nullptr, *end = nullptr;
+  const double x = std::strtod(text.c_str(), &comma);
+  if (comma != text.c_str() && *comma == ',') {
+    const double y = std::strtod(comma + 1, &end);
+    if (end != comma + 1 && *end == '\0') return {x, y};
   }
-  return p;
+  throw OptionError("--via " + text + ": need two numbers, x,y in metres of the site CRS");
 }
 
 void drive_it(DriveArguments& arguments, const Context& context) {

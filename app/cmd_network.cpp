@@ -31,6 +31,36 @@ void build_it(NetworkCommand& command, const Context& context) {
   for (const std::string& line : outcome.summary) stage.info(line);
 }
 
+/// Grids of the surfaces of chosen roads, beside the OpenDRIVE file.
+void add_crg_options(CLI::App* cmd, NetworkCommand& command) {
+  cmd->add_option("--crg", command.options.crg.roads,
+                  "also write OpenCRG surfaces of these roads into NAME_crg/ beside the output and refer to them:\n"
+                  "ids of roads, way/ID of OSM ways, all-of-route, all; separated by commas")
+      ->delimiter(',');
+  cmd->add_flag("--crg-friction", command.options.crg.friction,
+                "beside each of them also road_ID_friction.crg, a grid of the friction of the lanes");
+  cmd->add_option("--route", command.options.crg.route, "for all-of-route: as --route of drive")->capture_default_str();
+  cmd->add_option("--crg-format", command.crg_format, "KRBI, KDBI (binary, 4 or 8 bytes a value), LRFI or LDFI (text)")
+      ->capture_default_str();
+  cmd->add_option("--crg-u-step", command.options.crg.u_step_m, "m, largest step of the grid along the road")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  cmd->add_option("--crg-v-step", command.options.crg.v_step_m, "m, step of the grid across the road")
+      ->check(CLI::Range(0.01, 5.0))
+      ->capture_default_str();
+}
+
+/// How far the network may be from the roads that it is fitted to.
+void add_tolerances(CLI::App* cmd, BuildNetworkOptions& options) {
+  const auto tolerance = [&](const char* flag, double& value, const char* text) {
+    cmd->add_option(flag, value, text)->check(CLI::PositiveNumber)->capture_default_str();
+  };
+  tolerance("--plan-tolerance", options.plan_tolerance_m, "m, largest distance of a node from the reference line");
+  tolerance("--elevation-tolerance", options.elevation_tolerance_m, "m, largest height error at a node");
+  tolerance("--banking-tolerance", options.banking_tolerance_rad, "rad, largest superelevation error at a node");
+  tolerance("--width-tolerance", options.width_tolerance_m, "m, largest width error at a node");
+}
+
 }  // namespace
 
 void add_network(CLI::App& app, Context& context) {
@@ -56,34 +86,10 @@ void add_network(CLI::App& app, Context& context) {
                 "also follow every lane and say whether the network can be driven, as `evaluate network` does");
   cmd->add_option("--layers", command->files.layers, "also write reference lines, lanes and junctions as a GeoPackage");
   cmd->add_option("--geojson", command->files.geojson, "also write the same as GeoJSON (WGS84)");
-  cmd->add_option("--crg", command->options.crg.roads,
-                  "also write OpenCRG surfaces of these roads into NAME_crg/ beside the output and refer to them:\n"
-                  "ids of roads, way/ID of OSM ways, all-of-route, all; separated by commas")
-      ->delimiter(',');
-  cmd->add_flag("--crg-friction", command->options.crg.friction,
-                "beside each of them also road_ID_friction.crg, a grid of the friction of the lanes");
-  cmd->add_option("--route", command->options.crg.route, "for all-of-route: as --route of drive")
-      ->capture_default_str();
-  cmd->add_option("--crg-format", command->crg_format, "KRBI, KDBI (binary, 4 or 8 bytes a value), LRFI or LDFI (text)")
-      ->capture_default_str();
-  cmd->add_option("--crg-u-step", command->options.crg.u_step_m, "m, largest step of the grid along the road")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
-  cmd->add_option("--crg-v-step", command->options.crg.v_step_m, "m, step of the grid across the road")
-      ->check(CLI::Range(0.01, 5.0))
-      ->capture_default_str();
+  add_crg_options(cmd, *command);
   command->options.network.name.clear();
   cmd->add_option("--name", command->options.network.name, "name in the header; default: the name of the output file");
-  const auto tolerance = [&](const char* flag, double& value, const char* text) {
-    cmd->add_option(flag, value, text)->check(CLI::PositiveNumber)->capture_default_str();
-  };
-  tolerance("--plan-tolerance", command->options.network.plan_tolerance_m,
-            "m, largest distance of a node from the reference line");
-  tolerance("--elevation-tolerance", command->options.network.elevation_tolerance_m,
-            "m, largest height error at a node");
-  tolerance("--banking-tolerance", command->options.network.banking_tolerance_rad,
-            "rad, largest superelevation error at a node");
-  tolerance("--width-tolerance", command->options.network.width_tolerance_m, "m, largest width error at a node");
+  add_tolerances(cmd, command->options.network);
   add_driving_side(cmd, command->options.network.driving_side, "right, left: where one drives");
   cmd->add_option_function<std::string>(
          "--weather",

@@ -28,6 +28,7 @@ const std::map<std::string, Preset> presets{
 
 void add_synth(CLI::App& app, Context& context) {
   std::vector<std::string> names;
+  names.reserve(presets.size());
   for (const auto& [name, preset] : presets) names.push_back(name);
   auto arguments = std::make_shared<SynthArguments>();
   CLI::App* cmd = app.add_subcommand("synth",

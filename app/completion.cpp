@@ -32,7 +32,7 @@ std::vector<OptionText> options_of(const CommandText& tool, const CommandText& c
   return out;
 }
 
-std::string replaced(std::string text, const std::vector<std::pair<char, std::string>>& table) {
+std::string replaced(const std::string& text, const std::vector<std::pair<char, std::string>>& table) {
   std::string out;
   for (const char c : text) {
     std::string word(1, c);
@@ -53,6 +53,7 @@ std::string joined(const std::vector<std::string>& words) { return fmt::format("
 
 std::vector<std::string> names_of(const std::vector<CommandText>& commands) {
   std::vector<std::string> out;
+  out.reserve(commands.size());
   for (const CommandText& command : commands) out.push_back(command.name);
   return out;
 }

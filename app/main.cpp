@@ -9,6 +9,36 @@
 #include "orthodrive/core/stop.hpp"
 #include "terminal_monitor.hpp"
 
+namespace orthodrive::app {
+namespace {
+
+void add_commands(CLI::App& app, Context& context) {
+  add_new(app, context);
+  add_build(app, context);
+  add_plan(app, context);
+  add_cells(app, context);
+  add_fetch(app, context);
+  add_synth(app, context);
+  add_train(app, context);
+  add_segment(app, context);
+  add_forests(app, context);
+  add_refine(app, context);
+  add_elevate(app, context);
+  add_network(app, context);
+  add_scene(app, context);
+  add_export(app, context);
+  add_drive(app, context);
+  add_fmu(app, context);
+  add_view(app, context);
+  add_evaluate(app, context);
+  add_tune(app, context);
+  add_version(app, context);
+  add_help_files(app, context);
+}
+
+}  // namespace
+}  // namespace orthodrive::app
+
 int main(int argc, char** argv) {
   // Large rasters come and go, window by window: a page fault each 4 KiB of them took a sixth of `segment`.
   mi_option_enable(mi_option_large_os_pages);
@@ -34,28 +64,7 @@ int main(int argc, char** argv) {
                "log on stderr as JSON lines: time, level, stage, then message, or progress with rate_per_s and "
                "remaining_s");
   app.footer("Exit codes: 0 done, 1 data or processing, 2 usage, 128 + n ended by signal n (Ctrl-C: 130).");
-
-  add_new(app, context);
-  add_build(app, context);
-  add_plan(app, context);
-  add_cells(app, context);
-  add_fetch(app, context);
-  add_synth(app, context);
-  add_train(app, context);
-  add_segment(app, context);
-  add_forests(app, context);
-  add_refine(app, context);
-  add_elevate(app, context);
-  add_network(app, context);
-  add_scene(app, context);
-  add_export(app, context);
-  add_drive(app, context);
-  add_fmu(app, context);
-  add_view(app, context);
-  add_evaluate(app, context);
-  add_tune(app, context);
-  add_version(app, context);
-  add_help_files(app, context);
+  add_commands(app, context);
 
   try {
     app.parse(argc, argv);

@@ -93,6 +93,7 @@ Points scatter(const RoadMap& map, std::size_t count) {
   std::mt19937_64 random(2);
   const auto uniform = [&] { return static_cast<double>(random()) / 18446744073709551616.0; };
   std::vector<double> lengths;
+  lengths.reserve(map.roads.size());
   for (const Road& road : map.roads) lengths.push_back((lengths.empty() ? 0.0 : lengths.back()) + road.length);
   Points points;
   while (points.size() < count) {

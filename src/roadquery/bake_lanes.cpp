@@ -96,6 +96,7 @@ void row_cubic(std::span<const ShapeCubic> row, double t, double origin, double 
 /// The pieces between a row and the next one (empty: none follows).
 ShapeRow bake_row(std::span<const ShapeCubic> row, std::span<const ShapeCubic> next, BakedRoads& baked) {
   std::vector<double> begins;
+  begins.reserve(row.size());
   for (const ShapeCubic& q : row) begins.push_back(q.t);
   for (const ShapeCubic& q : next) begins.push_back(q.t);
   std::sort(begins.begin(), begins.end());

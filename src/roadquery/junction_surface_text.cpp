@@ -132,6 +132,7 @@ std::string heights_text(const JunctionSurface& surface, double offset_x, double
   append_metres(text, surface.spacing_m);
   append_decimal(text, surface.columns), append_decimal(text, surface.rows);
   std::vector<std::int64_t> z;
+  z.reserve(surface.z.size());
   for (const double height : surface.z) z.push_back(steps(height, height_steps_per_m));
   std::int64_t zeros = 0;
   const auto write_zeros = [&] {

@@ -166,6 +166,7 @@ void try_states(const MrfProblem& problem, const MrfChain& chain, const Block& b
                 const std::vector<MrfState>& found, std::vector<MrfState>& states) {
   const double before = chain_energy(problem, chain, states);
   std::vector<MrfState> kept;
+  kept.reserve(found.size());
   for (std::size_t k = 0; k < found.size(); ++k) kept.push_back(std::exchange(states[block.sites[k]], found[k]));
   if (chain_energy(problem, chain, states) < before) return;
   for (std::size_t k = 0; k < found.size(); ++k) states[block.sites[k]] = kept[k];

@@ -148,6 +148,7 @@ std::vector<std::vector<std::size_t>> find_conflicts(const MrfProblem& problem, 
 
 std::vector<MrfState> initial_states(const MrfProblem& problem) {
   std::vector<MrfState> states;
+  states.reserve(problem.sites.size());
   for (const MrfSite& site : problem.sites) states.push_back({0, site.input_width});
   // Narrow roads at OSM's line do not overlap (find_conflicts), and a road made narrower makes no new overlap.
   const std::vector<MrfState> input = states;

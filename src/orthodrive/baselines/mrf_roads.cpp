@@ -146,6 +146,7 @@ MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSourc
         mrf.sites.push_back(make_site(chain.nodes[i], chain.nodes[i + 1], osm.paths[piece.path].layer, options));
     mrf.chains.push_back({first, mrf.sites.size(), chain.closed, chain.rank});
   }
+  strips.reserve(mrf.sites.size());
   for (const MrfSite& site : mrf.sites)
     strips.push_back({site.a, site.b, site.normal, mrf.max_offset + site.max_width + mrf.context, site.share > 0.0});
   std::vector<CrossSums> sums =

@@ -106,9 +106,11 @@ RefinedRoads refine_roads_nlo(const RoadNetwork& osm, const LabelMap& labels, co
       });
 
   std::vector<Polyline> lines;
+  lines.reserve(count);
   for (std::size_t p = 0; p < count; ++p) lines.push_back(line_of(paths[p], fits[p].offset_m));
   if (options.filter_and_join) {
     std::vector<RoadChain> chains;
+    chains.reserve(count);
     for (std::size_t p = 0; p < count; ++p) chains.push_back(chain_of(paths[p], osm.paths[p], p));
     bend_to_junctions(chains, place_junctions(chains, lines), lines);
   }

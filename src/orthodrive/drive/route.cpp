@@ -112,9 +112,10 @@ Choice along_wanted(const RoadGraph& graph, const std::function<bool(const Road&
       if (tree.cost[static_cast<std::size_t>(n)] == PathTree::unreached) continue;
       const double length_m = tree.cost[static_cast<std::size_t>(n)] + graph.road(seed).length;
       if (length_m <= best.score) continue;
-      Nodes nodes = *tree.path_to(n);
-      nodes.insert(nodes.begin(), seed);
-      best.take_better({std::move(nodes), false, length_m});
+      std::optional<Nodes> nodes = tree.path_to(n);
+      if (!nodes) continue;
+      nodes->insert(nodes->begin(), seed);
+      best.take_better({std::move(*nodes), false, length_m});
     }
     best.take_better({{seed}, false, graph.road(seed).length});
   }
@@ -182,11 +183,11 @@ Choice best_loop(const RoadGraph& graph) {
       const int quarter = ends[(i + compass_sectors / 4) % compass_sectors];
       for (const int corner : {-1, quarter}) {
         if (ends[i] < 0) continue;
-        Nodes loop = *out.path_to(ends[i]);
-        if (corner >= 0 && !go_on(graph, loop, corner, costs)) continue;
-        if (!go_on(graph, loop, seed, costs)) continue;
-        const double score = loop_score(graph, loop);
-        best.take_better({std::move(loop), true, score});
+        std::optional<Nodes> loop = out.path_to(ends[i]);
+        if (!loop || (corner >= 0 && !go_on(graph, *loop, corner, costs))) continue;
+        if (!go_on(graph, *loop, seed, costs)) continue;
+        const double score = loop_score(graph, *loop);
+        best.take_better({std::move(*loop), true, score});
       }
     }
   }
@@ -322,6 +323,7 @@ std::string name_of(const RoadGraph& graph, const Nodes& nodes) {
                                           : fmt::format("road {}", road.id)] += road.length;
   }
   std::vector<std::pair<double, std::string>> names;
+  names.reserve(length_by_name.size());
   for (const auto& [name, length_m] : length_by_name) names.emplace_back(-length_m, name);
   std::sort(names.begin(), names.end());
   std::string text;

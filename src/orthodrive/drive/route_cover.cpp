@@ -141,7 +141,7 @@ class Cover {
           (nearest < 0 || tree.cost[i] < tree.cost[static_cast<std::size_t>(nearest)]))
         nearest = n;
     }
-    return nearest < 0 ? CoverNodes{} : *tree.path_to(nearest);
+    return nearest < 0 ? CoverNodes{} : tree.path_to(nearest).value_or(CoverNodes{});
   }
 
   const RoadGraph& graph_;

@@ -137,7 +137,8 @@ void add_anchors(const StationChain& chain, const BankedMeeting& meeting, const 
   const Station& at = main.stations[meeting.main_station];
   const Vec2 left = left_normal(at.along);
   if (&chain == &main) {  // also where it meets itself
-    anchors.push_back({meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
+    if (meeting.plane)
+      anchors.push_back({meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
     return;
   }
   const Vec2 plane =
@@ -161,6 +162,7 @@ constexpr double most_twist_1pm = 0.007;  // 5 % in 7 m
 std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& chain, const BankingOptions& options,
                                  const std::vector<BankingAnchor>& anchors) {
   std::vector<double> limits;
+  limits.reserve(chain.stations.size());
   for (const Station& station : chain.stations)
     limits.push_back(roads.paths[station.path].highway == "raceway" ? options.largest_raceway_slope
                                                                     : options.largest_slope);

@@ -71,6 +71,7 @@ std::vector<RoughnessStretch> roughness_of(const RoadNetwork& roads, const Drive
                                            const std::vector<MatchLogResult>& matches,
                                            const MeasureRoughnessOptions& options) {
   std::vector<MatchedRecording> matched;
+  matched.reserve(matches.size());
   for (std::size_t r = 0; r < matches.size(); ++r) matched.push_back({&log.recordings[r], &matches[r].places});
   return measure_roughness(roads, matched, options);
 }

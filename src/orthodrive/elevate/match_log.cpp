@@ -43,6 +43,7 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 std::vector<Polyline> lines_of(const RoadNetwork& roads) {
   std::vector<Polyline> lines;
+  lines.reserve(roads.paths.size());
   for (const RoadPath& path : roads.paths) lines.push_back(centerline(path));
   return lines;
 }

@@ -329,6 +329,7 @@ void NetworkProfiles::estimate_curvature_sigma() {
   for (auto& [speed_kmh, of_speed] : samples) {
     if (of_speed.size() < least_samples) continue;
     std::vector<double> sizes;
+    sizes.reserve(of_speed.size());
     for (const Sample& sample : of_speed) sizes.push_back(std::abs(sample.difference_m));
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());

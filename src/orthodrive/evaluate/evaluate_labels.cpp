@@ -120,6 +120,7 @@ LabelScores evaluate_labels(const LabelMap& prediction, const LabelMap& truth, c
 
 std::vector<PieceScores> evaluate_pieces(const LabelComparisonView& view, const TruthPieces& pieces) {
   std::vector<PieceScores> all;
+  all.reserve(pieces.names.size());
   for (const std::string& name : pieces.names) {
     all.push_back({.name = name});
     all.back().scores.confusion = ConfusionMatrix(view.classes().size());

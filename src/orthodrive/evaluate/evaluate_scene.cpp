@@ -74,6 +74,7 @@ std::vector<Edge> unpaired(const std::vector<Edge>& edges, const Crowded& crowde
     int sign = 1;
   };
   std::vector<Turned> all;
+  all.reserve(edges.size());
   for (const Edge& e : edges) all.push_back(e[0] < e[1] ? Turned{e, 1} : Turned{{e[1], e[0]}, -1});
   std::ranges::sort(all, {}, &Turned::edge);
   std::vector<Edge> open;
@@ -134,7 +135,7 @@ void SceneScorer::add_edges(const SceneTile& tile) {
     if (told_["crowded"]++ < static_cast<int>(most_told))
       fault("scene.crowded_edge", fmt::format("{} triangles have an edge in common", triangles), edge[0]);
   };
-  std::ranges::copy(unpaired(std::move(edges), crowded), std::back_inserter(open_));
+  std::ranges::copy(unpaired(edges, crowded), std::back_inserter(open_));
 }
 
 void SceneScorer::add_roads(const SceneTile& tile) {
@@ -177,6 +178,7 @@ void SceneScorer::add_normals(const SceneTile& tile) {
 
 void SceneScorer::Shells::make_index() {
   std::vector<Box2> boxes;
+  boxes.reserve(triangles.size());
   for (const auto& [a, b, c] : triangles)
     boxes.push_back({std::min({a[0], b[0], c[0]}), std::min({a[1], b[1], c[1]}), std::max({a[0], b[0], c[0]}),
                      std::max({a[1], b[1], c[1]})});
@@ -279,13 +281,13 @@ SceneScores SceneScorer::finish() {
   for (auto worst = worst_roads_.rbegin(); worst != worst_roads_.rend(); ++worst)
     fault("scene.road_off_surface", fmt::format("road mesh {:.3f} m from the surface", worst->first), worst->second);
   over_borders_.make_index();
+  const Place from = first_place_.value_or(Place{});  // without one no place is near a border
   for (const auto& [kind, places] : near_borders_)
     for (const auto& away : places) {
-      const Place p{(*first_place_)[0] + double{away[0]}, (*first_place_)[1] + double{away[1]},
-                    (*first_place_)[2] + double{away[2]}};
+      const Place p{from[0] + double{away[0]}, from[1] + double{away[1]}, from[2] + double{away[2]}};
       if (over_borders_.contain(p)) note_in_building(kind, p);
     }
-  const std::vector<Edge> open = unpaired(std::move(open_), [](const Edge&, std::size_t) {});
+  const std::vector<Edge> open = unpaired(open_, [](const Edge&, std::size_t) {});
   std::multimap<Place, std::size_t> next;
   for (std::size_t i = 0; i < open.size(); ++i) next.emplace(open[i][0], i);
   // Loops around the ground run counter-clockwise, those around holes the other way; cracks have no area.

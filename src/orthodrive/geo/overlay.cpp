@@ -57,6 +57,7 @@ class Geos {
   }
   [[nodiscard]] Geometry lines(std::span<const Polyline> lines) const {
     std::vector<GEOSGeometry*> parts;
+    parts.reserve(lines.size());
     for (const Polyline& line : lines) parts.push_back(GEOSGeom_createLineString_r(handle_, coordinates(line, false)));
     return own(
         GEOSGeom_createCollection_r(handle_, GEOS_MULTILINESTRING, parts.data(), static_cast<unsigned>(parts.size())));

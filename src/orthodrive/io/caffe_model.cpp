@@ -147,6 +147,7 @@ void add_convolution(TensorFile& file, const CaffeLayer& layer, Blob kernel) {
 void add_layer(TensorFile& file, CaffeLayer layer) {
   if (layer.blobs.empty()) return;
   std::vector<Blob> blobs;
+  blobs.reserve(layer.blobs.size());
   for (caffe::BlobProto& proto : layer.blobs) blobs.push_back(take_blob(proto));
   const bool convolution = layer.type == "Convolution" || layer.type == "Deconvolution";
   if (convolution || layer.type == "InnerProduct") {

@@ -67,6 +67,7 @@ namespace {
 /// A feature with parts of one kind only is a plain geometry or Multi...; anything else a collection.
 std::string geometry_of(const Feature& feature, const LonLatWriter& writer) {
   std::vector<std::string> parts;
+  parts.reserve(feature.polygons.size());
   for (const Polygon& polygon : feature.polygons) parts.push_back(geojson_geometry("Polygon", writer.polygon(polygon)));
   for (const Polyline& line : feature.lines) parts.push_back(geojson_geometry("LineString", writer.line(line)));
   for (const Vec2 point : feature.points) parts.push_back(geojson_geometry("Point", writer.point(point)));
@@ -84,6 +85,7 @@ void write_findings(const fs::path& path, const Findings& findings, const Crs& c
   constexpr std::array severities{"info", "warning", "error"};
   const LonLatWriter writer(crs);
   std::vector<std::string> features;
+  features.reserve(findings.size());
   for (const Finding& f : findings)
     features.push_back(geojson_feature(
         geojson_geometry("Point", writer.point({f.x_m, f.y_m})),

@@ -73,7 +73,9 @@ GlbFile::GlbFile(bool compressed) : compressed_(compressed) {
 
 void GlbFile::use_extension(std::string_view name, bool required) {
   const auto add = [&](const char* list) {
-    if (!json.contains(list) || std::ranges::find(json[list], name) == json[list].end()) json[list].push_back(name);
+    auto& names = json[list];
+    if (std::ranges::none_of(names, [&](const auto& known) { return known.template get<std::string_view>() == name; }))
+      names.push_back(name);
   };
   add("extensionsUsed");
   if (required) add("extensionsRequired");
@@ -187,6 +189,7 @@ GlbFile::Place GlbFile::add_octahedral(const std::vector<std::array<float, 4>>& 
 int GlbFile::add_directions(const std::vector<std::array<float, 3>>& values) {
   if (!compressed_) return add_numbers(values, 0);
   std::vector<std::array<float, 4>> padded;
+  padded.reserve(values.size());
   for (const auto& v : values) padded.push_back({v[0], v[1], v[2], 0.0F});
   return add_accessor(add_octahedral<std::int16_t>(padded, direction_bits), values.size(), short_type, "VEC3", true);
 }

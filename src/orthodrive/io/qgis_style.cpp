@@ -62,6 +62,7 @@ std::string symbol_layer(QgisSymbol symbol, const QgisCategory& category) {
 
 std::vector<QgisCategory> road_categories(double border_mm) {
   std::vector<QgisCategory> categories;
+  categories.reserve(std::size(road_classes));
   for (const RoadClass& entry : road_classes)
     categories.push_back({entry.highway, entry.highway, entry.color, border_mm > 0.0 ? border_mm : entry.width_mm});
   categories.push_back({"", "other", {120, 120, 120}, border_mm > 0.0 ? border_mm : 0.3});

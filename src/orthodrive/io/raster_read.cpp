@@ -255,6 +255,7 @@ void tell_datums(const std::vector<fs::path>& paths, const SiteFrame& site, cons
 std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site,
                                   const ReadDtmsOptions& options, Findings* findings) {
   std::vector<HeightGrid> grids;
+  grids.reserve(paths.size());
   for (const fs::path& path : paths)
     grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(options.margin_m)));
   feet_to_metres(paths, site, grids, findings);
@@ -333,10 +334,14 @@ LabelSource open_labels(const fs::path& path, const std::optional<ClassTable>& f
   source.crs = crs_of(*dataset.GetSpatialRef());
   GDALRasterBand& band = byte_band(path, dataset, "label map");
   const char* stored = dataset.GetMetadataItem("ORTHODRIVE_CLASSES");
-  if (!stored && !fallback)
+  if (stored) {
+    source.classes = class_table_from_json(stored);
+  } else if (fallback) {
+    source.classes = *fallback;
+  } else {
     throw InputError(path.string(),
                      "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
-  source.classes = stored ? class_table_from_json(stored) : *fallback;
+  }
   source.read = [path, file, &band, classes = source.classes](const PixelBox& box) {
     const std::lock_guard lock(file->mutex);
     Raster<std::uint8_t> labels = read_bytes(path, band, box);

@@ -71,6 +71,7 @@ OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryTyp
 
 double median_width_m(const RoadPath& path) {
   std::vector<double> widths;
+  widths.reserve(path.nodes.size());
   for (const RoadNode& node : path.nodes) widths.push_back(node.width_m);
   if (widths.empty()) return 0.0;
   const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);

@@ -69,6 +69,7 @@ TensorFile parse_safetensors(std::string_view bytes, const std::string& source) 
 
 void write_safetensors(std::ostream& out, const TensorFile& file) {
   std::vector<TensorSpec> specs;
+  specs.reserve(file.tensors.size());
   for (const auto& [name, tensor] : file.tensors) specs.push_back({name, tensor.stored_as, tensor.shape});
   SafetensorsWriter writer(out, file.metadata, std::move(specs));
   for (const auto& [name, tensor] : file.tensors) write_tensor(writer, name, tensor);

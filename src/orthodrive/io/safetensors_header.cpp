@@ -43,6 +43,7 @@ TensorPlace parse_place(const std::string& name, const nlohmann::json& entry, st
 /// Every byte of the data belongs to one tensor.
 void check_layout(const SafetensorsHeader& header, std::uint64_t data_bytes, std::string& name) {
   std::vector<std::pair<const std::string*, const TensorPlace*>> order;
+  order.reserve(header.tensors.size());
   for (const auto& [key, place] : header.tensors) order.emplace_back(&key, &place);
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
     return std::pair(a.second->begin, a.second->end) < std::pair(b.second->begin, b.second->end);

@@ -210,6 +210,8 @@ std::size_t add_table(GlbFile& file, const char* class_name,
 GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
   const int texture = materials.add_picture(encode_png(labels), "image/png", filter_nearest, filter_nearest);
   std::vector<std::string> names, roles, colors;
+  names.reserve(table.classes.size());
+  roles.reserve(table.classes.size());
   for (const ClassInfo& info : table.classes) {
     names.push_back(info.name), roles.push_back(to_string(info.role));
     colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]));
@@ -224,6 +226,9 @@ GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8
 /// Lanes of roads and buildings: ids of vertices, rows of a table of their own.
 GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
   std::vector<std::string> kinds, ids, osm_ids, names, types, lane_ids, lane_types;
+  kinds.reserve(features.size());
+  ids.reserve(features.size());
+  osm_ids.reserve(features.size());
   for (const SceneFeature& f : features) {
     kinds.push_back(f.kind), ids.push_back(f.id), osm_ids.push_back(f.osm_id);
     names.push_back(f.name), types.push_back(f.type);
@@ -285,7 +290,9 @@ std::vector<std::array<float, 4>> tangents_of(const TriMesh& mesh) {
 GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   GltfJson attributes;
   std::vector<std::array<float, 3>> positions, normals;
+  positions.reserve(mesh.positions.size());
   for (const auto& p : mesh.positions) positions.push_back(y_up({p[0], p[1], lowered(p[2], origin_m)}));
+  normals.reserve(mesh.normals.size());
   for (const auto& n : mesh.normals) normals.push_back(y_up(n));
   attributes["POSITION"] = file.add_positions(positions, position_exponent);
   attributes["NORMAL"] = file.add_directions(normals);
@@ -301,6 +308,7 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
   if (!mesh.features.empty()) {
     std::vector<float> ids;
+    ids.reserve(mesh.features.size());
     for (const std::uint32_t id : mesh.features) ids.push_back(static_cast<float>(id));
     attributes["_FEATURE_ID_0"] = file.add_scalars(ids);
   }
@@ -311,6 +319,7 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
 GltfJson instancing(GlbFile& file, const std::vector<MeshInstance>& instances, double origin_m) {
   std::vector<std::array<float, 3>> translations, scales, tints;
   std::vector<std::array<float, 4>> rotations;
+  translations.reserve(instances.size());
   for (const MeshInstance& copy : instances) {
     translations.push_back(y_up({copy.position[0], copy.position[1], lowered(copy.position[2], origin_m)}));
     scales.push_back({copy.scale[0], copy.scale[2], copy.scale[1]});

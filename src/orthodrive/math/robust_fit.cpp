@@ -78,6 +78,7 @@ using Matrix = Eigen::SparseMatrix<double>;
 /// Lower triangle of the normal matrix, with zeros where any row may put something.
 Matrix make_pattern(std::size_t unknowns, const std::vector<std::size_t>& start, const std::vector<Term>& terms) {
   std::vector<std::uint64_t> places;  // column, row
+  places.reserve(unknowns);
   for (std::size_t i = 0; i < unknowns; ++i) places.push_back((static_cast<std::uint64_t>(i) << 32U) | i);
   std::size_t last = 0;  // row put in last: the next ones mostly have the same unknowns, or some of them
   const auto is_covered = [&](std::size_t row) {

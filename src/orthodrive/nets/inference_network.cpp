@@ -112,6 +112,7 @@ class Run {
     output.values = memory_.take(static_cast<std::size_t>(output.rows.size()) * output.row_floats());
     if (plan_.step[i] == FusionPlan::plain) {
       std::vector<CellView> inputs;
+      inputs.reserve(layer.inputs.size());
       for (const int input : layer.inputs) inputs.push_back(output_of(input).view());
       run_plain(layer, layers_[i], inputs, output);
     } else {

@@ -256,20 +256,19 @@ MapBranch add_map_branch(MobileNetBuilder& b, int map_4, int merged_4, int trunk
   return branch;
 }
 
-void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
-  b.graph.stride_px = stride_px;
-  int map_4 = image_input;
-  if (with_map) {
-    b.graph.map_channels = map_raster_channels, b.graph.alignment_channels = alignment_channels;
-    map_4 = add_map_features(b);
-    mark_of_map(b.graph, 0);
-  }
+struct Trunk {
+  int features;            // of the last layer
+  std::vector<int> skips;  // the last features of strides 2, 4, 8 (16)
+};
+
+/// The layers of ImageNet's network up to `stride_px`.
+Trunk add_mobilenet_trunk(MobileNetBuilder& b, int stride_px) {
   int x = b.keras_conv("Conv1", "Conv1/kernel", "bn_Conv1", image_input, 32, 3, 2, false, true, true);
   x = b.pointwise("expanded_conv_project", b.depthwise("expanded_conv_depthwise", x, 1, true), 16, false, true);
   struct Group {  // table 2 of the paper: channels, repeats, stride of the first; expansion 6
     int out, repeats, stride;
   };
-  std::vector<int> skips;  // the last features of strides 2, 4, 8 (16)
+  std::vector<int> skips;
   int block = 1;
   for (const Group group : {Group{24, 2, 2}, Group{32, 3, 2}, Group{64, 4, 2}, Group{96, 3, 1}, Group{160, 3, 2}}) {
     if (group.out == 160 && stride_px < 32) break;
@@ -289,10 +288,21 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
                  .out = group.out});
     }
   }
+  return {x, std::move(skips)};
+}
+
+/// Features of strides 4 and 2 after merging.
+struct Merged {
+  int at_4, at_2;
+};
+
+/// Adds the trunk's features to the upsampled coarser ones, level by level.
+Merged add_feature_pyramid(MobileNetBuilder& b, const Trunk& trunk, int stride_px) {
   const std::string context = stride_px == 32 ? "context_32" : "context";
-  x = b.pointwise(context + "_project", b.depthwise(context + "_depthwise", x, 1, false), 64, true, false);
+  int x =
+      b.pointwise(context + "_project", b.depthwise(context + "_depthwise", trunk.features, 1, false), 64, true, false);
+  std::vector<int> skips = trunk.skips;
   int merged_4 = x;
-  const int trunk_4 = skips[1];
   struct Level {
     const char* name;
     int in, out;
@@ -314,10 +324,22 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
     x = b.pointwise(name + "_project", b.depthwise(name + "_depthwise", x, 1, false), level.out, true, false);
     if (name == "merge_4") merged_4 = x;
   }
-  const int merged_2 = x;
-  x = b.score("head", x);
+  return {merged_4, x};
+}
+
+void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
+  b.graph.stride_px = stride_px;
+  int map_4 = image_input;
   if (with_map) {
-    const MapBranch branch = add_map_branch(b, map_4, merged_4, trunk_4, merged_2);
+    b.graph.map_channels = map_raster_channels, b.graph.alignment_channels = alignment_channels;
+    map_4 = add_map_features(b);
+    mark_of_map(b.graph, 0);
+  }
+  const Trunk trunk = add_mobilenet_trunk(b, stride_px);
+  const Merged merged = add_feature_pyramid(b, trunk, stride_px);
+  int x = b.score("head", merged.at_2);
+  if (with_map) {
+    const MapBranch branch = add_map_branch(b, map_4, merged.at_4, trunk.skips[1], merged.at_2);
     const int classes = b.graph.class_count, all = b.graph.output_channels();
     x = b.add({.name = "head_with_map",
                .kind = LayerKind::add,

@@ -39,6 +39,7 @@ double interpolate(const std::vector<ProfileSample>& samples, double s) {
 PlanFit fit_reference_line(const ChainLine& line, const FitChainOptions& options, ChainGeometry& geometry) {
   std::vector<Vec2> points;
   std::vector<double> max_curvature;
+  points.reserve(line.nodes.size());
   for (const ChainLineNode& node : line.nodes) {
     points.push_back(node.p);
     // Where the inner edge of the carriageway would fold over.

@@ -133,6 +133,7 @@ std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, doub
   if (kept.size() == 2 && kept[0].fall == kept[1].fall) kept.pop_back();
   std::vector<roadquery::ShapeCubic> shape;
   const double first = options.halves == RoadHalves::left ? -1.0 : 1.0;  // slope of the first entry by the fall
+  shape.reserve(kept.size());
   for (const Station& at : kept) {
     shape.push_back({at.s, -crown_reach_m, -crown_reach_m * first * at.fall, first * at.fall, 0.0, 0.0});
     if (options.halves == RoadHalves::both) shape.push_back({at.s, 0.0, 0.0, -at.fall, 0.0, 0.0});

@@ -92,6 +92,7 @@ Vec2 circle_tangent(Vec2 a, Vec2 b, Vec2 c) {
 ClothoidSpline first_line(std::span<const Vec2> q, std::span<const std::size_t> at, bool closed) {
   const std::size_t n = at.size();
   std::vector<Vec2> points;
+  points.reserve(at.size());
   for (const std::size_t i : at) points.push_back(q[i]);
   std::vector<double> headings;
   for (std::size_t i = 0; i < n; ++i) {
@@ -262,7 +263,7 @@ std::vector<PlanElement> biarc(const Pose& from, const Pose& to) {
 
 std::vector<PlanElement> turn(const Pose& from, const Pose& to) {
   const auto heading = [](const Pose& pose) { return std::atan2(pose.direction.y, pose.direction.x); };
-  const std::vector<PlanElement> arcs = biarc(from, to);
+  std::vector<PlanElement> arcs = biarc(from, to);
   const ClothoidFit fit = fit_clothoid(to.p - from.p, heading(from), heading(to));
   if (!fit.found || fit.length_m > 1.5 * plan_length(arcs)) return arcs;
   const double sharpest = std::max(std::abs(fit.curvature0), std::abs(fit.curvature1));
@@ -336,6 +337,7 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
   // Differences of UTM coordinates lose digits: work relative to the first point.
   const Vec2 origin = points.front();
   std::vector<Vec2> local;
+  local.reserve(points.size());
   for (const Vec2 p : points) local.push_back(p - origin);
   if (options.closed) local.pop_back();
   if (local.size() < 3) {

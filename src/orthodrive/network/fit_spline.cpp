@@ -35,6 +35,8 @@ double end_slope(const std::vector<ProfileSample>& samples, bool at_back) {
 
 CubicSpline spline_through(const std::vector<ProfileSample>& knots, bool closed, double slope_begin, double slope_end) {
   std::vector<double> s, values;
+  s.reserve(knots.size());
+  values.reserve(knots.size());
   for (const ProfileSample& knot : knots) s.push_back(knot.s), values.push_back(knot.value);
   return closed ? periodic_spline(std::move(s), std::move(values))
                 : clamped_spline(std::move(s), std::move(values), slope_begin, slope_end);
@@ -85,6 +87,7 @@ ProfileFit fit_spline(std::span<const ProfileSample> all, const FitProfileOption
   const double slope_begin = end_slope(samples, false), slope_end = end_slope(samples, true);
   for (bool fits = false; !fits;) {
     std::vector<ProfileSample> knots;
+    knots.reserve(at.size());
     for (const std::size_t i : at) knots.push_back(samples[i]);
     const std::vector<double> moments = spline_through(knots, closed, slope_begin, slope_end).second;
     fit = {};

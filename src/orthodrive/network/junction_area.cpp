@@ -95,7 +95,7 @@ std::vector<Gore> gores_of(const JunctionRoads& roads, Vec2 origin) {
   return gores;
 }
 
-MultiPolygon without(MultiPolygon area, const std::vector<Polygon>& taken) {
+MultiPolygon without(const MultiPolygon& area, const std::vector<Polygon>& taken) {
   return taken.empty() ? area : difference_of(area, buffer_of(taken, join_m, 1), grid_m);
 }
 
@@ -207,6 +207,7 @@ MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec
 
 Ring woven_ring(const MultiPolygon& polygons) {
   std::vector<Ring> rings;
+  rings.reserve(polygons.size());
   for (const Polygon& polygon : polygons) {
     rings.push_back(polygon.outer);
     rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());

@@ -188,6 +188,7 @@ std::vector<std::vector<std::size_t>> junctions_on_one_ground(const RoadMap& map
   std::map<std::size_t, std::vector<std::size_t>> groups;
   for (const std::size_t j : with_area) groups[together.find(j)].push_back(j);
   std::vector<std::vector<std::size_t>> result;
+  result.reserve(groups.size());
   for (auto& [_, group] : groups) result.push_back(std::move(group));
   return result;
 }

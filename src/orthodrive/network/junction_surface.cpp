@@ -76,6 +76,7 @@ FieldGrid grid_over(const std::vector<Ring>& boundaries) {
 /// The arms' ends, relative to the origin.
 std::vector<roadquery::JunctionArm> entries_of(const RoadMap& map, const JunctionMembers& members, Vec2 origin) {
   std::vector<roadquery::JunctionArm> entries;
+  entries.reserve(members.arms.size());
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
     entries.push_back(roadquery::junction_arm(
         map.roads[members.arms[k]], members.at_end[k] ? roadquery::ContactPoint::end : roadquery::ContactPoint::start));
@@ -162,6 +163,7 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& me
     roads.push_back(over_grid(grid, RoadCover(road, origin, s0, s0 + reach), RoadRole::arm, asked));
   }
   std::vector<const Road*> ways;
+  ways.reserve(members.connecting.size());
   for (const std::size_t i : members.connecting) ways.push_back(&map.roads[i]);
   for (const std::size_t i : members.inner) ways.push_back(&map.roads[i]);
   const auto is_straight = [&](const Road& road) {
@@ -270,10 +272,12 @@ bool reproduces(const JunctionSurface& coarse, const JunctionSurface& fine, cons
 /// The coarsest grid that has the heights of all parts: where they overlap they stay one surface.
 void thin_out(std::vector<JunctionSurface>& parts, const Group& group) {
   std::vector<std::vector<char>> inside;
+  inside.reserve(parts.size());
   for (std::size_t k = 0; k < parts.size(); ++k)
     inside.push_back(nodes_inside(grid_of(parts[k], group.origin), group.boundaries[k]));
   for (const int step : {4, 2}) {
     std::vector<JunctionSurface> coarse;
+    coarse.reserve(parts.size());
     for (const JunctionSurface& part : parts) coarse.push_back(thinned(part, step));
     bool same = true;
     for (std::size_t k = 0; k < parts.size() && same; ++k)
@@ -305,6 +309,7 @@ JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std
   if (members.connecting.empty()) return ground;
   ground.origin = origin_of(map.roads[members.connecting.front()]);
   std::vector<std::string> classes;
+  classes.reserve(members.arms.size());
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
   for (const std::size_t i : members.inner) classes.push_back(map.roads[i].highway);
   const MultiPolygon area =
@@ -340,6 +345,7 @@ std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<Junction
   for (double& height : z) height = rounded(height, height_unit_of_files_m);
   const double disagreement = disagreement_m(grid, roads);
   std::vector<JunctionSurface> parts;
+  parts.reserve(group.junctions.size());
   for (std::size_t k = 0; k < group.junctions.size(); ++k) parts.push_back(part_of(grid, z, group, k));
   thin_out(parts, group);
   std::vector<Built> built;
@@ -355,12 +361,12 @@ std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<Junction
 void lay_inner_roads(RoadMap& map, const std::vector<JunctionMembers>& members) {
   std::set<std::size_t> laid;
   for (std::size_t j = 0; j < members.size(); ++j) {
-    if (!map.junctions[j].surface) continue;
+    const std::optional<JunctionSurface>& surface = map.junctions[j].surface;
+    if (!surface) continue;
     for (const std::size_t i : members[j].inner) {
       if (!laid.insert(i).second) continue;
       Road& road = map.roads[i];
-      const JunctionSurface& surface = *map.junctions[j].surface;
-      road = refitted(road, surface, {end_on(road, surface, false), end_on(road, surface, true)});
+      road = refitted(road, *surface, {end_on(road, *surface, false), end_on(road, *surface, true)});
     }
   }
 }
@@ -500,9 +506,10 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
     for (std::size_t k = 0; k < groups[g].size(); ++k) {
       const std::size_t j = groups[g][k];
       summary.junctions += 1, summary.area_m2 += grounds[j].area_m2;
-      summary.grid_nodes += built[g][k].surface->z.size();
-      summary.max_disagreement_m = std::max(summary.max_disagreement_m, built[g][k].disagreement_m);
-      map.junctions[j].surface = std::move(built[g][k].surface);
+      Built& one = built[g][k];
+      if (one.surface) summary.grid_nodes += one.surface->z.size();
+      summary.max_disagreement_m = std::max(summary.max_disagreement_m, one.disagreement_m);
+      map.junctions[j].surface = std::move(one.surface);
     }
   roadquery::join_arms(map);
   lay_inner_roads(map, members);

@@ -138,7 +138,9 @@ std::vector<DirectedPiece> walk_round(const RoadNetwork& roads, const RoadPieces
       const double turn = options.side * std::atan2(cross(in, out), dot(in, out));
       if (turn > best_turn) best = {end.piece, end.at_last}, best_turn = turn;
     }
-    if (!best.piece || (length += piece_length_m(best)) > options.max_length_m) return {};
+    if (!best.piece) return {};
+    length += piece_length_m(best);
+    if (length > options.max_length_m) return {};
     round.push_back(best);
   }
 }
@@ -154,6 +156,7 @@ void smooth_rings(const Table<PieceIndex, int>& ring_of_piece, RoadNetwork& road
     const std::vector<PathNode> nodes = ring_nodes(ring_of_piece, pieces, ring);
     const auto place = [&](PathNode node) -> Vec2& { return roads.paths[node.path].nodes[node.node].p; };
     std::vector<Vec2> points;
+    points.reserve(nodes.size());
     for (const PathNode node : nodes) points.push_back(place(node));
     const std::optional<Circle> circle = fit_circle(points);
     const auto radius = circle ? fit_waves(points, circle->center) : std::nullopt;

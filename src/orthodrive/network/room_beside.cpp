@@ -211,6 +211,7 @@ struct RoomLimit {
 /// Widths of a piece under the limits, which taper.
 std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, const std::vector<RoomLimit>& limits) {
   std::vector<double> places;
+  places.reserve(widths.size());
   for (const ProfileSample& sample : widths) places.push_back(sample.s);
   const double from = widths.front().s, to = widths.back().s;
   for (const RoomLimit& limit : limits)

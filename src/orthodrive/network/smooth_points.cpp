@@ -71,6 +71,7 @@ std::vector<Vec2> smooth_points(std::span<const Vec2> points, bool closed, doubl
   for (double walked = 0.0; walked < pad_waves * cutoff_m && pad < n; ++pad)
     walked += distance(points[pad], points[(pad + 1) % n]);
   std::vector<Vec2> around;
+  around.reserve(n + 2 * pad);
   for (std::size_t i = 0; i < n + 2 * pad; ++i) around.push_back(points[(i + n - pad) % n]);
   const std::vector<Vec2> q = smooth_open(around, cutoff_m, reach_m);
   return {q.begin() + static_cast<std::ptrdiff_t>(pad), q.begin() + static_cast<std::ptrdiff_t>(pad + n)};

@@ -14,12 +14,13 @@ EndLinks<PieceEnd> link_piece_ends(const RoadNetwork& roads, const Topology& top
   EndLinks<PieceEnd> links;
   for (const Vertex& vertex : topology.vertices) {
     std::vector<MeetingEnd> meeting;
+    meeting.reserve(vertex.ends.size());
     for (const PieceEnd& end : vertex.ends)
       meeting.push_back({outward(roads, topology, end), &roads.paths[topology.pieces[end.piece].path],
                          topology.ring_of_piece[end.piece]});
     const std::vector<std::optional<std::size_t>> partner = pair_ends(meeting, vertex.ends.size() == 2, rule);
     for (std::size_t i = 0; i < partner.size(); ++i)
-      if (partner[i]) links[vertex.ends[i]] = vertex.ends[*partner[i]];
+      if (const std::optional<std::size_t>& other = partner[i]) links[vertex.ends[i]] = vertex.ends[*other];
   }
   return links;
 }

@@ -52,6 +52,7 @@ class Table {
   /// All indices in order, for loops that need them.
   [[nodiscard]] std::vector<Index> indices() const {
     std::vector<Index> all;
+    all.reserve(items_.size());
     for (std::size_t i = 0; i < items_.size(); ++i) all.push_back(Index(i));
     return all;
   }

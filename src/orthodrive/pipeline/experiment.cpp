@@ -255,6 +255,7 @@ ClassSet class_set(const std::vector<std::string>& names, const ClassTable& tabl
     while (label < table.classes.size() && table.classes[label].name != name) ++label;
     if (label == table.classes.size()) {
       std::vector<std::string> known;
+      known.reserve(table.classes.size());
       for (const ClassInfo& c : table.classes) known.push_back(c.name);
       throw InputError(source, fmt::format("class '{}' is not in the table '{}', which has {}", name, table.name,
                                            fmt::join(known, ", ")));

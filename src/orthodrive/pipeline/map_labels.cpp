@@ -31,6 +31,7 @@ ClassSet all_of(const ClassTable& table) {
 
 std::vector<PaintShape> shapes_of(const MultiPolygon& polygons) {
   std::vector<PaintShape> shapes;
+  shapes.reserve(polygons.size());
   for (const Polygon& polygon : polygons) shapes.push_back({.polygons = {polygon}});
   return shapes;
 }

@@ -35,6 +35,7 @@ struct SceneView {
 
 std::vector<SceneView> views_of(const PackedScenes& data) {
   std::vector<SceneView> views;
+  views.reserve(data.scenes.size());
   for (const TrainingScene& s : data.scenes) views.push_back({&s.name, &s.rgb, &s.allowed});
   for (const ValidationScene& s : data.validation) views.push_back({&s.name, &s.photo.rgb, &s.allowed, &s.photo.valid});
   for (const SceneView& v : views) {

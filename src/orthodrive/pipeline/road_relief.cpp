@@ -55,6 +55,7 @@ RoadRelief::RoadRelief(const RoadNetwork& roads, const std::vector<RoughnessStre
       if (stretch.osm_id == path.osm_id && stretch.part == path.part) own.push_back(stretch);
     if (own.empty()) continue;
     std::vector<double> s_m;
+    s_m.reserve(path.nodes.size());
     for (const RoadNode& node : path.nodes) s_m.push_back(node.s_m);
     const std::uint64_t seed =
         derive_seed(static_cast<std::uint64_t>(path.osm_id), static_cast<std::uint64_t>(path.part));

@@ -17,6 +17,7 @@ std::string read_if_there(const fs::path& file) { return fs::exists(file) ? io::
 
 std::vector<ReportStage> report_stages(const std::vector<StageRecord>& records) {
   std::vector<ReportStage> stages;
+  stages.reserve(records.size());
   for (const StageRecord& record : records)
     stages.push_back({.name = record.stage,
                       .numbers = record.outcome.numbers,

@@ -106,6 +106,7 @@ void run_train(const TrainFiles& files, const RunTrainOptions& options, StageCon
   TrainingData data = read_data(open, files.experiment, context);
   const auto read_all_weights = [&open] {
     std::vector<WeightsSource> sources;
+    sources.reserve(open.experiment.weights.size());
     for (const fs::path& file : open.experiment.weights) sources.push_back(read_weights(file));
     return sources;
   };

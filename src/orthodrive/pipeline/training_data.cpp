@@ -93,6 +93,7 @@ LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_
   // Through the photo's own scale, as prediction comes to it.
   result.photo = resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads);
   std::vector<PaintLayer> layers;
+  layers.reserve(data.rules.size());
   for (const PaintRule& rule : data.rules) {
     layers.push_back({.shapes = rule.highways.empty() ? read_feature_shapes(rule, site) : read_road_shapes(rule, site),
                       .classes = class_set(rule.classes, classes, data.name),

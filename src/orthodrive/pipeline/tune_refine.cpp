@@ -21,6 +21,7 @@ TuneResult tune_refine(const TuneSites& sites, const SearchWeightsOptions& optio
                      site);
   };
   std::vector<std::string> folds;
+  folds.reserve(sites.sites.size());
   for (const TuneSite& site : sites.sites) folds.push_back(site.fold);
   TuneResult result{.options = options};
   result.search = search_weights(

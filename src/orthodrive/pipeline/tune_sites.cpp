@@ -184,6 +184,7 @@ RoadLoss road_loss(const RoadNetwork& roads, const TuneSite& site) {
   constexpr double farthest_m = RefineRoadsOptions{}.search_radius_m;
   const RoadScores scores = evaluate_roads(roads, site.truth, {.region = site.region});
   std::vector<double> offsets, width_errors;
+  offsets.reserve(scores.places.size());
   for (const RoadPlace& place : scores.places) {
     offsets.push_back(std::isnan(place.offset_m) ? farthest_m : std::min(std::abs(place.offset_m), farthest_m));
     if (!std::isnan(place.width_error_m)) width_errors.push_back(std::abs(place.width_error_m));

@@ -43,6 +43,7 @@ std::array<int, 4> count_votes(const RoadPath& path, const LabelMap& labels, con
 
 int classify_by_photo(RoadNetwork& roads, const LabelMap& labels, const PhotoSurfaceOptions& options) {
   std::vector<PixelVote> votes;
+  votes.reserve(labels.classes.classes.size());
   for (const ClassInfo& info : labels.classes.classes) votes.push_back(pixel_vote_of(info));
   int changed = 0;
   for (RoadPath& path : roads.paths) {

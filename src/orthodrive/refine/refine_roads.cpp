@@ -207,6 +207,7 @@ class Refinement {
   /// First of the district, then what the streets around differ from that. One a node of each chain.
   [[nodiscard]] std::vector<std::vector<ExpectedOffset>> learned_shift(bool from_traces) const {
     std::vector<std::vector<ExpectedOffset>> expected;
+    expected.reserve(chains_.size());
     for (const RoadChain& chain : chains_) expected.emplace_back(chain.nodes.size());
     add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0}, from_traces, expected);
     add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0}, from_traces,
@@ -266,6 +267,7 @@ class Refinement {
   }
   [[nodiscard]] std::vector<Polyline> lines() const {
     std::vector<Polyline> lines;
+    lines.reserve(chains_.size());
     for (std::size_t c = 0; c < chains_.size(); ++c) lines.push_back(line_of(chains_[c], shapes_[c]));
     return lines;
   }

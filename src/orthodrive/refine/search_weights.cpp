@@ -144,6 +144,7 @@ WeightSearch search_weights(std::span<const std::string> fold_of_site, const Wei
   const std::set<std::string> folds(fold_of_site.begin(), fold_of_site.end());
   check_folds(folds, options);
   std::vector<Walk> walks;
+  walks.reserve(folds.size());
   for (const std::string& fold : folds) walks.emplace_back(fold, fold_of_site, options);
   walks.emplace_back("", fold_of_site, options);  // no fold has this name: all sites
 

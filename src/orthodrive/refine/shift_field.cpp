@@ -61,9 +61,11 @@ std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<S
     return std::pair(std::floor(sample->p.y / square_m), std::floor(sample->p.x / square_m));
   };
   std::vector<const ShiftSample*> sorted;
+  sorted.reserve(samples.size());
   for (const ShiftSample& sample : samples) sorted.push_back(&sample);
   std::ranges::stable_sort(sorted, {}, square_of);
   std::vector<Box2> boxes;
+  boxes.reserve(sorted.size());
   for (const ShiftSample* sample : sorted) boxes.push_back({sample->p.x, sample->p.y, sample->p.x, sample->p.y});
   const SpatialIndex index(boxes);
   std::vector<Shift> shifts(places.size());

@@ -100,9 +100,11 @@ std::vector<std::vector<TracePass>> find_passes(const std::vector<RoadChain>& ch
   std::vector<std::vector<TracePass>> passes(chains.size());
   if (traces.empty()) return passes;
   std::vector<Polyline> lines;
+  lines.reserve(traces.size());
   for (const MovingTrace& trace : traces) lines.push_back(trace.line);
   const SegmentIndex index(lines);
   std::vector<std::vector<PathAt>> paths_of;
+  paths_of.reserve(chains.size());
   for (const RoadChain& chain : chains) paths_of.push_back(paths_along(chain));
   parallel_for(chains.size(), threads, [&](std::size_t c) {
     const RoadChain& chain = chains[c];

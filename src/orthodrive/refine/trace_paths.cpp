@@ -92,6 +92,7 @@ class KnownRoads {
  private:
   static std::vector<Polyline> lines_of(const RoadNetwork& osm) {
     std::vector<Polyline> lines;
+    lines.reserve(osm.paths.size());
     for (const RoadPath& path : osm.paths) lines.push_back(centerline(path));
     return lines;
   }
@@ -327,9 +328,11 @@ RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evi
     walks.push_back(std::move(walk));
   }
   std::vector<Polyline> lines;
+  lines.reserve(walks.size());
   for (const TraceWalk& walk : walks) lines.push_back(walk.line);
   const SegmentIndex index(lines);
   std::vector<std::optional<Stretch>> candidates;
+  candidates.reserve(walks.size());
   for (std::size_t w = 0; w < walks.size(); ++w) candidates.push_back(longest_stretch(walks, w));
   std::int64_t next_node = next_node_id(osm), next_way = -1;
   for (const RoadPath& path : osm.paths) next_way = std::min(next_way, path.osm_id - 1);

@@ -299,6 +299,7 @@ std::vector<std::string> by_likeness(std::vector<std::string> names, const std::
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> result;
+  result.reserve(ranked.size());
   for (auto& [likeness, name] : ranked) result.push_back(std::move(name));
   return result;
 }

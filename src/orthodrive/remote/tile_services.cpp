@@ -230,6 +230,7 @@ Service wms_service(const FetchSource& source, const SiteFrame& site, double res
   const HttpReply answer = client.get({.url = with_query(given, {{"SERVICE", "WMS"}, {"REQUEST", "GetCapabilities"}})});
   const WmsCapabilities capabilities = parse_wms_capabilities(answer.body, name);
   std::vector<std::string> names;
+  names.reserve(capabilities.layers.size());
   for (const WmsLayer& layer : capabilities.layers) names.push_back(layer.name);
   const auto layer = std::find_if(capabilities.layers.begin(), capabilities.layers.end(),
                                   [&](const WmsLayer& l) { return l.name == source.layer; });

@@ -93,6 +93,7 @@ std::string class_section(const LabelReportView& report) {
 std::string confusion_section(const LabelScores& scores) {
   std::vector<std::string> names;
   std::vector<double> shares;
+  names.reserve(scores.classes.size());
   for (std::size_t t = 0; t < scores.classes.size(); ++t) {
     names.push_back(scores.classes[t].info.name);
     const auto whole = static_cast<double>(scores.classes[t].truth_pixels);  // 0 / 0 is NaN: an empty row

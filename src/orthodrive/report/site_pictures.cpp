@@ -158,6 +158,7 @@ std::vector<Box2> telling_places(const RoadNetwork& roads, double size_m, std::s
       chosen.push_back(moved.at);
   }
   std::vector<Box2> boxes;
+  boxes.reserve(chosen.size());
   for (const Vec2 p : chosen) boxes.push_back(Box2{p.x, p.y, p.x, p.y}.grown(0.5 * size_m));
   return boxes;
 }

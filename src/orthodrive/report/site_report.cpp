@@ -126,6 +126,7 @@ std::string refine_section(const SiteReportView& in, const Box2& box) {
     }
   }
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(classes.size());
   for (const auto& [name, c] : classes)
     rows.push_back({name, fmt::format("{:.2f}", c.length_m / 1000.0), fmt::format("{:.2f}", median(c.input)),
                     fmt::format("{:.2f}", median(c.refined)), fmt::format("{:.2f}", median(c.sigma))});
@@ -152,6 +153,7 @@ std::string elevate_section(const SiteReportView& in, const Box2& box) {
                      figure(in, picture_of_gradients(in.overview, roads, box, gradient_scale),
                             "Carriageways colored by their gradient");
   std::vector<const RoadPath*> longest;
+  longest.reserve(roads.paths.size());
   for (const RoadPath& path : roads.paths) longest.push_back(&path);
   std::stable_sort(longest.begin(), longest.end(),
                    [](const RoadPath* a, const RoadPath* b) { return a->nodes.back().s_m > b->nodes.back().s_m; });
@@ -189,6 +191,7 @@ std::string surface_table(const RoadNetwork& roads) {
   }
   std::vector<std::vector<std::string>> rows;
   const auto km = [](double m) { return fmt::format("{:.2f}", m / 1000.0); };
+  rows.reserve(lengths.size());
   for (const auto& [surface, length] : lengths)
     rows.push_back({roadquery::to_string(surface), km(length.tagged_m + length.usual_m + length.seen_m),
                     km(length.tagged_m), km(length.seen_m), km(length.usual_m)});
@@ -307,6 +310,7 @@ std::string findings_section(const SiteReportView& in) {
     }
   if (by_code.empty()) return "<h2>Findings</h2><p>None.</p>\n";
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(by_code.size());
   for (const auto& [key, value] : by_code)
     rows.push_back({key.first, key.second, std::to_string(value.first), value.second});
   return "<h2>Findings</h2>\n<p>Each is a point in <a href=\"findings.geojson\">findings.geojson</a>.</p>\n" +
@@ -317,6 +321,7 @@ std::string stage_section(const SiteReportView& in) {
   std::vector<std::vector<std::string>> rows;
   double total = 0.0;
   std::uint64_t peak = 0;
+  rows.reserve(in.stages.size());
   for (const ReportStage& r : in.stages) {
     rows.push_back({r.name, fmt::format("{:.1f}", r.seconds),
                     fmt::format("{:.0f}", static_cast<double>(r.peak_memory_bytes) / 1e6),

@@ -31,6 +31,7 @@ std::optional<std::pair<double, double>> intersect(Vec2 a0, Vec2 a1, Vec2 b0, Ve
 
 std::vector<PathCrossing> find_crossings(const RoadNetwork& roads) {
   std::vector<Polyline> lines;
+  lines.reserve(roads.paths.size());
   for (const RoadPath& path : roads.paths) lines.push_back(centerline(path));
   const SegmentIndex index(lines);
   std::vector<PathCrossing> crossings;

@@ -37,10 +37,11 @@ PathLinks link_path_ends(const RoadNetwork& roads, const ContinuationRule& rule)
   PathLinks links;
   for (const auto& [id, ends] : ends_at) {
     std::vector<MeetingEnd> meeting;
+    meeting.reserve(ends.size());
     for (const PathEnd end : ends) meeting.push_back(meeting_end(roads, end, ring[end.path], rule));
     const std::vector<std::optional<std::size_t>> partner = pair_ends(meeting, visits[id] == 2, rule);
     for (std::size_t i = 0; i < ends.size(); ++i)
-      if (partner[i]) links[ends[i]] = ends[*partner[i]];
+      if (const std::optional<std::size_t>& other = partner[i]) links[ends[i]] = ends[*other];
   }
   return links;
 }

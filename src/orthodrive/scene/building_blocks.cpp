@@ -40,6 +40,7 @@ Blocks building_blocks(std::span<const PlacedBuilding* const> buildings, Vec3 or
     }
   }
   std::vector<const PlacedBuilding*> views;
+  views.reserve(blocks.size());
   for (const PlacedBuilding& block : blocks) views.push_back(&block);
   result.mesh = building_mesh(views, origin, BuildingDetail::blocks);
   result.mesh.features.clear();

@@ -138,6 +138,7 @@ std::vector<std::size_t> outlines_of_parts(std::span<const Building> buildings) 
   std::vector<std::size_t> outlines(buildings.size(), no_outline);
   if (std::ranges::none_of(buildings, &Building::is_part)) return outlines;
   std::vector<Box2> boxes;
+  boxes.reserve(buildings.size());
   for (const Building& building : buildings)
     boxes.push_back(building.is_part || building.footprint.outer.empty() ? Box2{}
                                                                          : bounds_of(building.footprint.outer));

@@ -37,6 +37,7 @@ double roof_reach_m(const PlacedBuilding& building) {
 
 FreeSpace::FreeSpace(const Obstacles& obstacles) : obstacles_(obstacles) {
   std::vector<Box2> boxes;
+  boxes.reserve(obstacles.buildings.size());
   for (const PlacedBuilding& building : obstacles.buildings)
     boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer).grown(roof_reach_m(building)));
   index_ = SpatialIndex(boxes);

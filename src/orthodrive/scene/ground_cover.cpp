@@ -121,6 +121,7 @@ class Cells {
   }
   [[nodiscard]] std::vector<Cell> take() {
     std::vector<Cell> result;
+    result.reserve(cells_.size());
     for (auto& [unused, cell] : cells_) result.push_back(std::move(cell));
     return result;
   }
@@ -190,6 +191,7 @@ void add_triangles(const Polygon& polygon, Vec2 shift, std::vector<std::array<Ve
   for (const Ring& hole : polygon.holes) add_ring(hole);
   const Triangulation t = triangulate(points, constraints);
   std::vector<bool> inside;
+  inside.reserve(t.region_points.size());
   for (const Vec2 p : t.region_points) inside.push_back(contains(polygon, p));
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     if (!inside[t.regions[i]]) continue;

@@ -195,6 +195,7 @@ std::vector<KerbPiece> kerb_pieces(const roadquery::Road& road) {
 
 void add_kerbs(const TriMesh& road, std::size_t first_index, std::span<const KerbPiece> pieces, TriMesh& kerbs) {
   std::vector<std::array<Vec2, 4>> polygons;
+  polygons.reserve(pieces.size());
   for (const KerbPiece& piece : pieces) polygons.push_back(piece.corners);
   KerbBuilder builder(kerbs);
   cut_at_mesh(road, first_index, polygons, [&](std::size_t number, std::span<const DrapedCorner> part) {

@@ -137,6 +137,7 @@ std::vector<CellBlock> blocks_of(int columns, int rows, const IsCovered& is_cove
 Polygon right_angled(const std::vector<Vec2>& patch, double pixel_m) {
   const Vec2 from = patch.front();
   std::vector<Vec2> points;
+  points.reserve(patch.size());
   for (const Vec2 p : patch) points.push_back(p - from);
   const Vec2 along = main_direction(points, pixel_m);
   for (Vec2& p : points) p = turned(p, along);

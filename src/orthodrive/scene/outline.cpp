@@ -26,6 +26,7 @@ Outline::Outline(const MultiPolygon& polygons, double reach_m, const std::functi
     });
   }
   std::vector<Box2> boxes;
+  boxes.reserve(segments_.size());
   for (const auto& [a, b, az, bz] : segments_) boxes.push_back(bounds_of({a, b}));
   index_ = SpatialIndex(boxes);
 }

@@ -121,6 +121,7 @@ struct Groups {
 Groups two_groups(const std::vector<Tone>& tones) {
   const auto at_share = [&](std::size_t channel, double share) {
     std::vector<float> values;
+    values.reserve(tones.size());
     for (const Tone& tone : tones) values.push_back(tone[channel]);
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
     std::ranges::nth_element(values, at);

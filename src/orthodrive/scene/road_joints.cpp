@@ -90,6 +90,7 @@ RoadJoints::RoadJoints(const roadquery::RoadQuery& query, std::span<const int> l
   for (const auto& [unused, ends] : meeting)
     if (ends.size() > 1) join(ends);
   std::vector<Box2> boxes;
+  boxes.reserve(edges_.size());
   for (const Edge& edge : edges_) boxes.push_back(bounds_of({edge.a, edge.b}));
   index_ = SpatialIndex(boxes);
   boxes.clear();

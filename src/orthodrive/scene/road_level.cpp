@@ -188,6 +188,7 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
   for (std::size_t i = 0; i < roads_.size(); ++i)
     std::ranges::move(end_pieces(*roads_[i], strips_[i]), std::back_inserter(pieces_));
   std::vector<Box2> boxes;
+  boxes.reserve(pieces_.size());
   for (const Polygon& piece : pieces_) boxes.push_back(bounds_of(piece.outer));
   piece_index_ = SpatialIndex(boxes);
   MultiPolygon joined = all.empty() ? MultiPolygon{} : union_of(all, plan_grid_m);

@@ -403,10 +403,12 @@ void settle(SkeletonNode& node) {
 Roof hipped_roof(const Polygon& footprint, const RoofWish& wish) {
   const auto cgal_ring = [](const Ring& ring) {
     std::vector<RoofKernel::Point_2> points;
+    points.reserve(ring.size());
     for (const Vec2 p : ring) points.emplace_back(p.x, p.y);
     return points;
   };
   std::vector<std::vector<RoofKernel::Point_2>> holes;
+  holes.reserve(footprint.holes.size());
   for (const Ring& hole : footprint.holes) holes.push_back(cgal_ring(hole));
   const auto outer = cgal_ring(footprint.outer);
   const auto skeleton =
@@ -432,6 +434,7 @@ Roof hipped_roof(const Polygon& footprint, const RoofWish& wish) {
   if (!(highest_m > 0.0)) return flat_roof(footprint);
   const double pitch = rise_of(wish, highest_m * wish.pitch) / highest_m;
   std::vector<std::pair<std::array<double, 3>, int>> in_order;  // ids are given by chance, too
+  in_order.reserve(nodes.size());
   for (const auto& [id, node] : nodes) in_order.push_back({{node.p.x, node.p.y, node.distance_m}, id});
   std::ranges::sort(in_order);
   std::map<int, std::uint32_t> points;

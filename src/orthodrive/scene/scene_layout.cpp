@@ -295,8 +295,9 @@ void SceneLayout::lay_roads() {
   lay_levels();
   if (window.surroundings)
     waters = Waters(window.surroundings->water, window.water_levels, {roads, frame->area, window.box, options.verge_m});
-  ground.emplace(std::move(window.terrain), roads, decks, waters,
-                 GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
+  ground = std::make_unique<const Ground>(
+      std::move(window.terrain), roads, decks, waters,
+      GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
 
   std::vector<Polyline> lines;
   append_rings(frame->dense_area, window.box, lines);

@@ -79,7 +79,7 @@ class SceneLayout {
   std::vector<scene::LevelLines> tunnel_lines;
   scene::RoadJoints joints;  ///< of levels; the ground is 0, then come decks and tunnels
   scene::Outline openings;   ///< no ground lies in them
-  std::optional<scene::Ground> ground;
+  std::unique_ptr<const scene::Ground> ground;  ///< never null once the layout is made
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
   std::vector<scene::PlacedBuilding> buildings;

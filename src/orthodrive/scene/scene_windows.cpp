@@ -55,6 +55,7 @@ bool reaches(const Points& points, const Box2& box) {
 
 SceneWindows::SceneWindows(const SceneSource& source, const SceneFrame& frame) : source_(&source), frame_(&frame) {
   std::vector<Box2> boxes;
+  boxes.reserve(source.roads.roads.size());
   for (const roadquery::Road& road : source.roads.roads) boxes.push_back(box_of(road));
   roads_ = SpatialIndex(boxes);
   boxes.clear();

@@ -73,6 +73,7 @@ void TileLevels::hand_up(int level, TileAddress address, FinishedTile tile) {
     std::ranges::sort(parts.tiles, {}, &FinishedTile::address);
     std::vector<const SceneTile*> tiles;
     std::vector<const PlacedBuilding*> buildings;
+    tiles.reserve(parts.tiles.size());
     for (const FinishedTile& part : parts.tiles) {
       tiles.push_back(part.tile.get());
       for (const PlacedBuilding& building : part.buildings) buildings.push_back(&building);

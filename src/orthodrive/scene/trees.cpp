@@ -66,6 +66,7 @@ PlacedTree plant(const TreeCrown& crown, const FreeSpace& space, const Ground& g
 std::vector<TreeCrown> with_singles(std::span<const TreeCrown> crowns, std::span<const Vec2> singles) {
   std::vector<TreeCrown> all(crowns.begin(), crowns.end());
   std::vector<Box2> boxes;
+  boxes.reserve(crowns.size());
   for (const TreeCrown& crown : crowns)
     boxes.push_back(Box2{crown.at.x, crown.at.y, crown.at.x, crown.at.y}.grown(crown.radius_m));
   const SpatialIndex index(boxes);

@@ -89,6 +89,7 @@ std::vector<std::optional<WaterLevel>> water_levels(const MultiPolygon& polygons
   std::vector<Seen> bodies(polygons.size());
   for (const auto& [address, places] : places_in(polygons, area)) look(places, terrain, photo, bodies);
   std::vector<std::optional<WaterLevel>> levels;
+  levels.reserve(bodies.size());
   for (Seen& body : bodies) levels.push_back(level_of(body, findings));
   return levels;
 }

@@ -181,6 +181,8 @@ Alignment spline_through(std::vector<Vec2> points, bool closed) {
   assert(points.size() >= 3);
   if (closed) points.push_back(points.front());
   std::vector<double> x, y;
+  x.reserve(points.size());
+  y.reserve(points.size());
   for (const Vec2 p : points) x.push_back(p.x), y.push_back(p.y);
   const std::vector<double> chord_m = arc_lengths_m(points);
   Alignment alignment{.closed = closed};

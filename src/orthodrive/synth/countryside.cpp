@@ -36,6 +36,7 @@ void add_farm(SitePlan& plan, Vec2 yard, Vec2 outward, Random& random) {
 
 void add_lakes_and_woods(SitePlan& plan, int count, const MultiPolygon& kept_free, Random& random) {
   std::vector<Polyline> lines;
+  lines.reserve(plan.roads.size());
   for (const PlannedRoad& road : plan.roads) lines.push_back(sample(road.alignment, 20.0));
   const SegmentIndex index(lines);
   std::vector<std::pair<Vec2, double>> lakes;

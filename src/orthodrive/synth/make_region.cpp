@@ -225,6 +225,7 @@ void stream_pictures(const Region& region, ObjectCells& cells, std::vector<Synth
   const GridFrame site_frame = region_frames(region.plan, region.options).photo;
   std::vector<SeenPixels> seen(surfaces.size());
   std::vector<Box2> boxes;
+  boxes.reserve(surfaces.size());
   for (const SynthSurface& surface : surfaces) boxes.push_back(bounds_of(surface.polygon.outer));
   const SpatialIndex index(boxes);
   const auto rows = tile_rows(region.photo_frame, region.options.tile_px);

@@ -138,6 +138,7 @@ GivenOsm place_ways(const std::vector<OsmWay>& loop, const std::map<std::int64_t
 
 TrackEdges track_edges(const std::vector<TrackRow>& rows) {
   std::vector<Vec2> points;
+  points.reserve(rows.size());
   for (const TrackRow& row : rows) points.push_back(row.p);
   const Alignment surveyed = spline_through(points, true);
   TrackEdges edges;

@@ -33,6 +33,7 @@ PlanIndex::PlanIndex(const SitePlan& plan) {
       piece_boxes.push_back(box_of(road, pieces_.back()));
     }
   }
+  area_boxes.reserve(plan.areas.size());
   for (const Area& area : plan.areas) area_boxes.push_back(bounds_of(area.polygon.outer));
   piece_index_ = SpatialIndex(piece_boxes), area_index_ = SpatialIndex(area_boxes);
 }

@@ -144,6 +144,7 @@ std::vector<RoadLayer> layers_of(const SceneSource& source) {
     if (sample.bridge) decks.insert(sample.road);
   }
   std::vector<RoadLayer> layers;
+  layers.reserve(roads.size());
   for (const std::uint16_t r : roads) layers.push_back({r, false, surface_priority(source.plan, r)});
   for (const std::uint16_t r : decks) layers.push_back({r, true, 1000});
   std::stable_sort(layers.begin(), layers.end(),

@@ -42,6 +42,7 @@ void find_junctions(SitePlan& plan, const BridgeRule& rule) {
   const auto& roads = plan.roads;
   std::vector<Polyline> lines;
   std::vector<Box2> boxes;
+  lines.reserve(roads.size());
   for (const PlannedRoad& road : roads) {
     lines.push_back(sample(road.alignment, search_step_m));
     boxes.push_back(bounds_of(lines.back()).grown(search_step_m));

@@ -242,6 +242,7 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
   std::vector<Profile> profiles;
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     std::vector<double> heights;
+    heights.reserve(knots.unknown[r].size());
     for (const std::size_t u : knots.unknown[r]) heights.push_back(z[u]);
     const auto through = plan.roads[r].alignment.closed ? periodic_spline : natural_spline;
     profiles.push_back(Profile{through(knots.s_m[r], std::move(heights))});
@@ -380,6 +381,7 @@ std::vector<SamplesOfRoad> by_priority(const SitePlan& plan, const std::vector<R
     return surface_priority(plan, roads[a].road) < surface_priority(plan, roads[b].road);
   });
   std::vector<SamplesOfRoad> sorted;
+  sorted.reserve(order.size());
   for (const std::size_t i : order) sorted.push_back(roads[i]);
   return sorted;
 }

@@ -104,6 +104,7 @@ void add_run_off(SitePlan& plan, std::size_t road_index, Random& random) {
 void add_stands(SitePlan& plan, std::size_t road_index, int count, Random& random) {
   const PlannedRoad& road = plan.roads[road_index];
   std::vector<Polyline> lines;
+  lines.reserve(plan.roads.size());
   for (const PlannedRoad& r : plan.roads) lines.push_back(sample(r.alignment, 8.0));
   for (int attempt = 0, built = 0; attempt < 60 && built < count; ++attempt) {
     const AlignmentPoint q = evaluate(road.alignment, random.uniform(0.0, road.alignment.length_m));

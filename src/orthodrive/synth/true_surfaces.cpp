@@ -20,6 +20,7 @@ Polygon carriageway(const RoadPath& path) {
 
 std::vector<SynthSurface> true_surfaces(const RoadNetwork& roads) {
   std::vector<SynthSurface> surfaces;
+  surfaces.reserve(roads.paths.size());
   for (const RoadPath& path : roads.paths) surfaces.push_back({path.osm_id, path.highway, 1.0, carriageway(path)});
   return surfaces;
 }

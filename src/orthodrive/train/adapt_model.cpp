@@ -90,6 +90,7 @@ GridFrame frame_of(GridFrame frame, const PixelBox& box) {
 std::vector<PixelBox> spread(const std::vector<PixelBox>& boxes, int most) {
   const std::size_t count = std::min(boxes.size(), static_cast<std::size_t>(most));
   std::vector<PixelBox> chosen;
+  chosen.reserve(count);
   for (std::size_t i = 0; i < count; ++i) chosen.push_back(boxes[i * boxes.size() / count]);
   return chosen;
 }
@@ -245,6 +246,7 @@ class DecoderTraining {
   void step(std::span<const AdaptCell> cells, std::int64_t step) {
     const auto batch = static_cast<std::size_t>(options_.batch);
     std::vector<const AdaptCell*> drawn;
+    drawn.reserve(batch);
     for (std::size_t i = 0; i < batch; ++i)
       drawn.push_back(&cells[draw(cells.size(), static_cast<std::size_t>(step) * batch + i)]);
     const at::Tensor weights = weights_of(drawn);
@@ -304,6 +306,7 @@ class DecoderTraining {
   /// Of the pixels of a batch: cross entropy is over all of it, because a cell may have few roads.
   [[nodiscard]] at::Tensor weights_of(const std::vector<const AdaptCell*>& cells) const {
     std::vector<at::Tensor> counts;
+    counts.reserve(cells.size());
     for (const AdaptCell* cell : cells) counts.push_back(mask_of(*cell).sum(1, true));
     const at::Tensor count = at::cat(counts, 0);
     at::Tensor weights = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));

@@ -346,6 +346,7 @@ std::vector<DisturbedLine> moved_lines(const std::vector<RoadLine>& real, std::u
 
 std::vector<RoadLine> drawn_lines(const std::vector<DisturbedLine>& lines) {
   std::vector<RoadLine> drawn;
+  drawn.reserve(lines.size());
   for (const DisturbedLine& line : lines) drawn.push_back(line.drawn);
   return drawn;
 }

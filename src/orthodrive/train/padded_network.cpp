@@ -72,6 +72,7 @@ at::Tensor evaluate(const Layer& layer, LayerParams& p, const std::vector<Tensor
       return at::upsample_bilinear2d(x, {2 * x.size(2), 2 * x.size(3)}, false);
     case LayerKind::concat: {
       std::vector<at::Tensor> parts;
+      parts.reserve(inputs.size());
       for (const TensorCells& input : inputs) parts.push_back(input.values);
       return at::cat(parts, 1);
     }

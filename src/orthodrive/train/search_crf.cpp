@@ -76,6 +76,7 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
   const auto lattice = [](const CrfTrial& trial) { return trial.vertices_per_pixel; };
   add(try_weights(samples, classes, {}, {{0.0F, 0.0F}}, options.iterations, options));
   std::vector<Weights> weights;
+  weights.reserve(options.appearance_weight.size());
   for (const float w : options.appearance_weight) weights.push_back({w, 0.0F});
   for (const double alpha : options.theta_alpha_px)
     for (const double beta : options.theta_beta)

@@ -536,6 +536,7 @@ std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scen
   std::nth_element(present.begin(), present.begin() + static_cast<std::ptrdiff_t>(present.size() / 2), present.end());
   const double median = present[present.size() / 2];
   std::vector<float> weights;
+  weights.reserve(share.size());
   for (const double s : share)
     weights.push_back(s > 0.0 ? std::clamp(static_cast<float>(median / s), 1.0F / most, most) : 1.0F);
   return weights;
