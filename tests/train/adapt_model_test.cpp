@@ -17,8 +17,8 @@
 namespace orthodrive {
 namespace {
 
-constexpr int size_px = 480, road = 1;
-constexpr ClassSet anything_but_road = 0xff & ~only(road);
+constexpr int town_px = 480, street_label = 1;
+constexpr ClassSet anything_but_road = 0xff & ~only(street_label);
 
 /// To the nearest of some winding streets, in pixels.
 double to_street_px(double x, double y) {
@@ -34,12 +34,12 @@ bool is_street(double x, double y) { return to_street_px(x, y) < 6.0; }
 /// Green streets through purple fields: as no place looks that the network has seen.
 Photo strange_town() {
   Photo photo{Crs{"EPSG:32633"},
-              {460000.0, 5270000.0, 0.5, size_px, size_px},
-              Raster<std::uint8_t>(size_px, size_px, 3),
-              Raster<std::uint8_t>(size_px, size_px, 1, 1)};
+              {460000.0, 5270000.0, 0.5, town_px, town_px},
+              Raster<std::uint8_t>(town_px, town_px, 3),
+              Raster<std::uint8_t>(town_px, town_px, 1, 1)};
   Random random(3);
-  for (int row = 0; row < size_px; ++row)
-    for (int col = 0; col < size_px; ++col) {
+  for (int row = 0; row < town_px; ++row)
+    for (int col = 0; col < town_px; ++col) {
       const bool street = is_street(col + 0.5, row + 0.5);
       const double rgb[] = {street ? 70.0 : 170.0, street ? 190.0 : 60.0, street ? 90.0 : 150.0};
       for (int c = 0; c < 3; ++c)
@@ -58,7 +58,7 @@ WeakLabels map_of_town(const Photo& photo, double east_px = 0.0, double south_px
         const Vec2 p = whole.pixel_from_world(frame.center_of(col, row));
         const double d = to_street_px(p.x - east_px, p.y - south_px);
         const double band = edges == MapEdges::sharp ? 0.0 : 3.0;
-        if (d < 6.0 - band) allowed.at(col, row) = only(road);
+        if (d < 6.0 - band) allowed.at(col, row) = only(street_label);
         if (d >= 6.0 + band) allowed.at(col, row) = anything_but_road;
       }
     return allowed;
@@ -70,7 +70,7 @@ std::vector<RoadLine> streets_of_town(const Photo& photo, double east_px, double
   std::vector<RoadLine> lines;
   for (const double at : {40.0, 121.0, 215.0, 290.0, 401.0}) {
     RoadLine &across = lines.emplace_back(RoadLine{{}, 3.0}), down{{}, 3.0};
-    for (double t = 0.0; t <= size_px; t += 8.0) {
+    for (double t = 0.0; t <= town_px; t += 8.0) {
       const double x = at + 14.0 * std::sin(t / 47.0 + at), y = at + 11.0 * std::sin(t / 61.0 + 2.0 * at);
       across.points.push_back(photo.frame.world_from_pixel(x + east_px, t + south_px));
       down.points.push_back(photo.frame.world_from_pixel(t + east_px, y + south_px));
@@ -87,9 +87,9 @@ AdaptOptions small_options() {
 double true_road_iou(const Photo& photo, const TensorFile& model, const RoadMap* map = nullptr) {
   const SegmentResult result = segment_mosaic(photo, load_model(model, "model"), {.threads = 2, .map = map});
   double both = 0, either = 0;
-  for (int row = 0; row < size_px; ++row)
-    for (int col = 0; col < size_px; ++col) {
-      const bool is = is_street(col + 0.5, row + 0.5), said = result.labels.labels.at(col, row) == road;
+  for (int row = 0; row < town_px; ++row)
+    for (int col = 0; col < town_px; ++col) {
+      const bool is = is_street(col + 0.5, row + 0.5), said = result.labels.labels.at(col, row) == street_label;
       both += is && said, either += is || said;
     }
   return both / either;
