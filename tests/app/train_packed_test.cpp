@@ -2,8 +2,6 @@
 // `orthodrive-train` on a pack against `orthodrive train` on the files the pack was made of.
 #include <algorithm>
 #include <fstream>
-#include <map>
-#include <set>
 #include <sstream>
 
 #include "app/run_tool.hpp"
@@ -127,64 +125,24 @@ TEST_F(TrainPacked, wrong_input_is_named) {
   EXPECT_EQ(bytes_of(out / "checkpoint.safetensors"), "kept");
 }
 
-/// What it asks for itself: the libtorch of Debian asks for GDAL in turn.
-TEST(TrainPackedProgram, needs_neither_gdal_nor_proj) {
-  const ToolRun run = run_program({"/usr/bin/readelf", "--dynamic", "--wide", paths::trainer});
-  EXPECT_NE(run.out.find("[libtorch_cpu"), std::string::npos) << run.out;
+/// A machine with libtorch alone: the bundle builds there, and its program asks for nothing else. (The libtorch of
+/// Debian asks for GDAL in turn.)
+TEST(TrainPackedProgram, builds_from_its_bundle_with_libtorch_alone) {
+  const Scratch scratch;
+  const fs::path bundle = scratch / "bundle", build = scratch / "build";
+  const ToolRun collected = run_program({paths::in_source("tools/trainer/bundle"), bundle});
+  ASSERT_EQ(collected.exit_code, 0) << collected.err;
+  EXPECT_FALSE(fs::exists(bundle / "src/orthodrive/io/caffe_model.cpp"));
+  const ToolRun configured = run_program(
+      {"/usr/bin/cmake", "-S", bundle, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0"});
+  ASSERT_EQ(configured.exit_code, 0) << configured.err;
+  const ToolRun built = run_program({"/usr/bin/cmake", "--build", build});
+  ASSERT_EQ(built.exit_code, 0) << built.out << built.err;
+  const ToolRun needed = run_program({"/usr/bin/readelf", "--dynamic", "--wide", build / "orthodrive-train"});
+  EXPECT_NE(needed.out.find("[libtorch_cpu"), std::string::npos) << needed.out;
   for (const char* library : {"[libgdal", "[libproj", "[libgeos", "[libprotobuf"})
-    EXPECT_EQ(run.out.find(library), std::string::npos) << run.out;
-}
-
-/// Fails when a source of the program begins to include what a machine with libtorch alone has not.
-TEST(TrainPackedProgram, its_sources_are_complete_without_other_libraries) {
-  const Scratch scratch;
-  const ToolRun run = run_program({paths::in_source("tools/trainer/bundle"), scratch / "bundle"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  for (const char* file : {"CMakeLists.txt", "app/train_packed.cpp", "src/orthodrive/train/train_network.cpp",
-                           "src/orthodrive/crf/crf_kernels_avx512.cpp", "third_party/fmt/format-inl.h"})
-    EXPECT_TRUE(fs::exists(scratch / "bundle" / file)) << file;
-  EXPECT_FALSE(fs::exists(scratch / "bundle" / "src/orthodrive/io/caffe_model.cpp"));
-}
-
-/// Names of functions and data in our namespace, as `nm` lists them with one letter for their kind.
-void add_symbols(const fs::path& object, std::set<std::string>& defined, std::map<std::string, std::string>& wanted) {
-  const ToolRun run = run_program({"/usr/bin/nm", object});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  std::istringstream lines(run.out);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t at = line.find("10orthodrive");  // a namespace is mangled as its length and its name
-    if (at == std::string::npos) continue;
-    const std::size_t space = line.rfind(' ');
-    const std::string name = line.substr(space + 1);
-    if (line[space - 1] == 'U')
-      wanted[name] = object.filename();
-    else
-      defined.insert(name);
-  }
-}
-
-/// Fails when a source of the program calls what lies in a file that the bundle leaves out: it would not link there.
-TEST(TrainPackedProgram, its_sources_call_nothing_that_the_bundle_leaves_out) {
-  const Scratch scratch;
-  ASSERT_EQ(run_program({paths::in_source("tools/trainer/bundle"), scratch / "bundle"}).exit_code, 0);
-  const fs::path build = fs::path(paths::trainer).parent_path();
-  std::set<std::string> defined;
-  std::map<std::string, std::string> wanted;  // the name, and who wants it
-  int sources = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(scratch / "bundle" / "src")) {
-    if (entry.path().extension() != ".cpp") continue;
-    ++sources;
-    const std::string room = entry.path().parent_path().filename();
-    const std::string file = entry.path().filename().string() + ".o";
-    const fs::path rooms = build / "src/orthodrive";
-    const fs::path of_part = rooms / "CMakeFiles/orthodrive_part_train.dir" / room / file;
-    add_symbols(fs::exists(of_part) ? of_part : rooms / room / "CMakeFiles" / ("orthodrive_" + room + ".dir") / file,
-                defined, wanted);
-  }
-  EXPECT_GT(sources, 50);
-  add_symbols(build / "app/CMakeFiles/orthodrive-train.dir/train_packed.cpp.o", defined, wanted);
-  add_symbols(build / "app/CMakeFiles/orthodrive_terminal.dir/terminal_monitor.cpp.o", defined, wanted);
-  for (const auto& [name, object] : wanted) EXPECT_TRUE(defined.contains(name)) << object << " wants " << name;
+    EXPECT_EQ(needed.out.find(library), std::string::npos) << needed.out;
+  expect_failure(run_program({build / "orthodrive-train", scratch / "none.safetensors"}), 2, "-o is missing");
 }
 
 }  // namespace
