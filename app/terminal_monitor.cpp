@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -25,7 +26,7 @@ std::string utc_now() {
 
 /// "45 s", "12 min", "3 h 05 min"
 std::string duration_text(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
+  const long s = std::lround(seconds);
   if (s < 100) return fmt::format("{} s", s);
   const long minutes = (s + 30) / 60;
   return minutes < 100 ? fmt::format("{} min", minutes) : fmt::format("{} h {:02d} min", minutes / 60, minutes % 60);
