@@ -239,11 +239,12 @@ MultiPolygon RoadLevel::junction_areas(const RoadJoints* joints) {
     const auto is_on_level = [&](const roadquery::Road& road) {
       return road.junction == junction.id && is_on_level_[static_cast<std::size_t>(&road - map.roads.data())];
     };
-    if (!junction.surface || std::ranges::none_of(map.roads, is_on_level)) continue;
+    const std::optional<roadquery::JunctionSurface>& surface = junction.surface;
+    if (!surface || std::ranges::none_of(map.roads, is_on_level)) continue;
     Polygon paved;
-    for (const auto& [x, y] : junction.surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
+    for (const auto& [x, y] : surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
     if (paved.outer.size() < 3 || !(signed_area_m2(paved.outer) > min_piece_area_m2)) continue;
-    junctions_.push_back(&*junction.surface);
+    junctions_.push_back(&*surface);
     boxes.push_back(bounds_of(paved.outer));
     const MultiPolygon& arms = arms_elsewhere[junction.id];
     if (arms.empty())
