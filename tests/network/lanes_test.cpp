@@ -314,10 +314,10 @@ void expect_ring(const roadquery::RoadMap& map, double radius_m) {
   EXPECT_EQ(map.junctions.size(), 4u);
   double length = 0.0;
   for (const Road& road : map.roads) {
-    const bool ring = road.junction < 0 && road.osm_id.starts_with("1");
+    const bool ring = road.junction < 0 && road.osm_id.starts_with('1');
     // Round through a junction: in from a way of the ring, out into one.
-    const bool through = road.junction >= 0 && road_by_id(map, road.predecessor.id)->osm_id.starts_with("1") &&
-                         road_by_id(map, road.successor.id)->osm_id.starts_with("1");
+    const bool through = road.junction >= 0 && road_by_id(map, road.predecessor.id)->osm_id.starts_with('1') &&
+                         road_by_id(map, road.successor.id)->osm_id.starts_with('1');
     if (!ring && !through) continue;
     length += road.length;
     for (double s = 0.0; s <= road.length; s += 0.5)

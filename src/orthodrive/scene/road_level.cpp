@@ -236,15 +236,17 @@ MultiPolygon RoadLevel::junction_areas(const RoadJoints* joints) {
         std::ranges::copy(covered, std::back_inserter(arms_elsewhere[link.id]));
   }
   for (const roadquery::Junction& junction : map.junctions) {
+    const std::optional<roadquery::JunctionSurface>& own = junction.surface;
+    if (!own) continue;
+    const roadquery::JunctionSurface& surface = *own;
     const auto is_on_level = [&](const roadquery::Road& road) {
       return road.junction == junction.id && is_on_level_[static_cast<std::size_t>(&road - map.roads.data())];
     };
-    const std::optional<roadquery::JunctionSurface>& surface = junction.surface;
-    if (!surface || std::ranges::none_of(map.roads, is_on_level)) continue;
+    if (std::ranges::none_of(map.roads, is_on_level)) continue;
     Polygon paved;
-    for (const auto& [x, y] : surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
+    for (const auto& [x, y] : surface.boundary) paved.outer.push_back(snap_to_grid({x, y}));
     if (paved.outer.size() < 3 || !(signed_area_m2(paved.outer) > min_piece_area_m2)) continue;
-    junctions_.push_back(&*surface);
+    junctions_.push_back(&surface);
     boxes.push_back(bounds_of(paved.outer));
     const MultiPolygon& arms = arms_elsewhere[junction.id];
     if (arms.empty())
