@@ -33,7 +33,7 @@ std::string duration_text(double seconds) {
 }
 
 /// One write per line: lines of threads and of a process that is ended do not mix.
-void put_line(nlohmann::ordered_json line) {
+void put_line(const nlohmann::ordered_json& line) {
   const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   (void)!write(STDERR_FILENO, text.data(), text.size());
 }
@@ -82,7 +82,7 @@ void TerminalMonitor::draw(double fraction, std::string_view what, const std::op
                                 {"work", what},
                                 {"progress", fraction}};
     if (pace) line["rate_per_s"] = pace->rate_per_s, line["remaining_s"] = pace->remaining_s;
-    return put_line(std::move(line));
+    return put_line(line);
   }
   constexpr int cells = 30;
   const int full = last_percent_ * cells / 100;
