@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -25,14 +26,14 @@ std::string utc_now() {
 
 /// "45 s", "12 min", "3 h 05 min"
 std::string duration_text(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
+  const long s = std::lround(seconds);
   if (s < 100) return fmt::format("{} s", s);
   const long minutes = (s + 30) / 60;
   return minutes < 100 ? fmt::format("{} min", minutes) : fmt::format("{} h {:02d} min", minutes / 60, minutes % 60);
 }
 
 /// One write per line: lines of threads and of a process that is ended do not mix.
-void put_line(nlohmann::ordered_json line) {
+void put_line(const nlohmann::ordered_json& line) {
   const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   (void)!write(STDERR_FILENO, text.data(), text.size());
 }
@@ -81,7 +82,7 @@ void TerminalMonitor::draw(double fraction, std::string_view what, const std::op
                                 {"work", what},
                                 {"progress", fraction}};
     if (pace) line["rate_per_s"] = pace->rate_per_s, line["remaining_s"] = pace->remaining_s;
-    return put_line(std::move(line));
+    return put_line(line);
   }
   constexpr int cells = 30;
   const int full = last_percent_ * cells / 100;

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   if (rq_load(argv[1], &options, &map, problem, sizeof problem) != RQ_OK) return fprintf(stderr, "%s\n", problem), 1;
   printf("%d roads, coordinates of %s\n", rq_road_count(map), rq_geo_reference(map));
 
-  x0 = atof(argv[2]), y0 = atof(argv[3]), x1 = atof(argv[4]), y1 = atof(argv[5]);
+  x0 = strtod(argv[2], NULL), y0 = strtod(argv[3], NULL), x1 = strtod(argv[4], NULL), y1 = strtod(argv[5], NULL);
   steps = (int)ceil(hypot(x1 - x0, y1 - y0));
   printf("      x       y       z  road  lane       s       t  friction\n");
   for (i = 0; i <= steps; ++i) {

@@ -39,7 +39,8 @@ inline void expect_sumo_finds_all_roads(const std::filesystem::path& xodr, const
   std::set<int> edges;
   for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
     const char* id = text.c_str() + at + key.size();
-    if (*id != ':') edges.insert(std::abs(std::atoi(id)));  // "-12#1": against road 12, its second part
+    // "-12#1": against road 12, its second part
+    if (*id != ':') edges.insert(std::abs(static_cast<int>(std::strtol(id, nullptr, 10))));
   }
   std::size_t roads = 0;
   for (const roadquery::Road& road : roadquery::read_opendrive(xodr.string()).roads)

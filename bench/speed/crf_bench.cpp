@@ -72,6 +72,7 @@ const std::vector<Window>& photo() {
   static const std::vector<Window> result = [] {
     if (const char* path = std::getenv("ORTHODRIVE_BENCH_PPM")) return read_ppm(path);
     std::vector<Window> painted;
+    painted.reserve(windows);
     for (int w = 0; w < windows; ++w) painted.push_back(paint(w));
     return painted;
   }();

@@ -117,7 +117,7 @@ void road_query(benchmark::State& state, const char* mode) {
   double x = 0.0, z = 0.0;
   for (auto _ : state) {
     const auto hit = query.find(x, -1.5, z, cursor);
-    z = hit->z;
+    if (hit) z = hit->z;
     x = x + 0.03 < 200.0 ? x + 0.03 : 0.0;
   }
 }

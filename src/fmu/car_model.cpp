@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include "fmu/road_model.hpp"
@@ -150,12 +151,12 @@ class CarModel final : public Model {
       if (!std::isfinite(values.number[i])) throw std::runtime_error("a start value is not a number");
     vehicle::Car car(vehicle::read_car(*file));
     roads_ = read_ground(values, resources);
-    ground_.emplace(roads_->roads());
+    ground_ = std::make_unique<vehicle::RoadGround>(roads_->roads());
     roadquery::Cursor cursor;
     const double x = values.number[x_start], y = values.number[y_start], z = values.number[z_start];
     if (!roads_->roads().find(x, y, z, cursor)) throw std::runtime_error("no road at start.x, start.y");
     car.place(x, y, values.number[heading_start], values.number[speed_start], *ground_, z);
-    car_.emplace(std::move(car));
+    car_ = std::make_unique<vehicle::Car>(std::move(car));
     steps_ = 0;
   }
 
@@ -199,8 +200,8 @@ class CarModel final : public Model {
 
  private:
   std::unique_ptr<roadquery::GroundQuery> roads_;
-  std::optional<vehicle::RoadGround> ground_;
-  std::optional<vehicle::Car> car_;
+  std::unique_ptr<vehicle::RoadGround> ground_;
+  std::unique_ptr<vehicle::Car> car_;
   long long steps_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -113,10 +114,10 @@ void walk_boundary(const JunctionSurface& surface, const Visit& visit) {
 void append_junction_cells(const RoadMap& map, std::vector<CellRange>& ranges) {
   std::vector<std::pair<std::int32_t, std::int32_t>> cells;  // row, column
   for (std::uint32_t i = 0; i < map.junctions.size(); ++i) {
-    if (!has_surface(map.junctions[i])) continue;
-    const JunctionSurface& surface = *map.junctions[i].surface;
+    const std::optional<JunctionSurface>& surface = map.junctions[i].surface;
+    if (!surface || !has_surface(map.junctions[i])) continue;
     cells.clear();
-    walk_boundary(surface, [&](double x, double y) {
+    walk_boundary(*surface, [&](double x, double y) {
       for (const double dy : {-0.5 * cell_m, 0.0, 0.5 * cell_m})
         for (const double dx : {-0.5 * cell_m, 0.0, 0.5 * cell_m}) cells.emplace_back(cell_of(y + dy), cell_of(x + dx));
       if (cells.size() > most_entries) throw std::runtime_error("the junctions cover too large an area");
@@ -127,7 +128,7 @@ void append_junction_cells(const RoadMap& map, std::vector<CellRange>& ranges) {
     for (std::size_t k = 0; k + 1 < on_boundary; ++k) {  // between two of a row all or none lie inside
       const auto [row, column] = cells[k];
       const auto [next_row, end] = cells[k + 1];
-      if (row != next_row || end - column < 2 || !contains(surface, (column + 1.5) * cell_m, (row + 0.5) * cell_m))
+      if (row != next_row || end - column < 2 || !contains(*surface, (column + 1.5) * cell_m, (row + 0.5) * cell_m))
         continue;
       for (std::int32_t c = column + 1; c < end; ++c) cells.emplace_back(row, c);
       if (cells.size() > most_entries) throw std::runtime_error("the junctions cover too large an area");

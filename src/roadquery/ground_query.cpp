@@ -49,6 +49,7 @@ Place GroundQuery::choose(bool on_road, double x, double y, double z_guess, Hit&
 }
 
 std::optional<TerrainPoint> GroundQuery::ground_beside_roads(double x, double y) const {
+  if (!terrain_) return std::nullopt;
   const auto terrain = evaluate(*terrain_, x, y);
   if (!terrain || !borders_) return terrain;
   const auto border = borders_->nearest(x, y);

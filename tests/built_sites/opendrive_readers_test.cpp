@@ -20,7 +20,6 @@ namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
-using roadquery::ContactPoint;
 using roadquery::Lane;
 using roadquery::LinkKind;
 using roadquery::Road;

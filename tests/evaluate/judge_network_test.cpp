@@ -27,8 +27,8 @@ Road straight_road(int id, double x, double length = 100.0) {
 void join(Road& before, Road& after) {
   before.successor = {LinkKind::road, after.id, ContactPoint::start};
   after.predecessor = {LinkKind::road, before.id, ContactPoint::end};
-  for (Lane* lane : {&before.sections[0].left[0], &before.sections[0].right[0]}) lane->successor = lane->id;
-  for (Lane* lane : {&after.sections[0].left[0], &after.sections[0].right[0]}) lane->predecessor = lane->id;
+  for (Lane* lane : {&before.sections[0].left.front(), &before.sections[0].right.front()}) lane->successor = lane->id;
+  for (Lane* lane : {&after.sections[0].left.front(), &after.sections[0].right.front()}) lane->predecessor = lane->id;
 }
 
 std::size_t places(const NetworkVerdict& verdict, FaultKind kind) {
@@ -74,7 +74,7 @@ TEST(JudgeNetwork, a_clean_network_passes) {
 TEST(JudgeNetwork, nothing_to_drive_on_passes) {
   EXPECT_TRUE(judge_network({}).pass());
   Road narrow = straight_road(1, 0.0);
-  for (Lane* lane : {&narrow.sections[0].left[0], &narrow.sections[0].right[0]}) lane->width = {{.a = 1.0}};
+  for (Lane* lane : {&narrow.sections[0].left.front(), &narrow.sections[0].right.front()}) lane->width = {{.a = 1.0}};
   narrow.elevation.push_back({.s = 50.0, .a = 20.0});
   EXPECT_TRUE(judge_network({.roads = {narrow}}).pass()) << "no car fits on it";
 }

@@ -247,6 +247,7 @@ TEST(Calibration, is_of_the_class_before_merging_and_of_compared_pixels_only) {
   const LabelComparisonView view(scene.prediction, scene.truth, {.merge = {{"road", "ground"}}});
   const LabelScores scores = evaluate_labels(view, {.confidence = &scene.confidence});
   EXPECT_DOUBLE_EQ(scores.pixel_accuracy, 1.0);
+  ASSERT_TRUE(scores.calibration.has_value());
   EXPECT_EQ(scores.calibration->pixels, 160u);
   EXPECT_DOUBLE_EQ(scores.calibration->accuracy, (60.0 + 40.0 + 0.0) / 160.0);
 }
@@ -260,6 +261,7 @@ TEST(Calibration, other_grid_or_nothing_to_compare) {
   const LabelMap nowhere = map_of(20, 10, 1.0, label_nodata);
   const LabelScores scores =
       evaluate_labels(LabelComparisonView(same.prediction, nowhere), {.confidence = &same.confidence});
+  ASSERT_TRUE(scores.calibration.has_value());
   EXPECT_EQ(scores.calibration->pixels, 0u);
   EXPECT_TRUE(std::isnan(scores.calibration->expected_error));
 }

@@ -38,15 +38,16 @@ APP_HEADERS = {
 }
 # Standard C++ everywhere; these in headers too.
 THIRD_PARTY = {
-    "nets": {"ATen", "c10"},  # networks are made of tensors
-    "train": {"ATen"},
-    "segment": {"ATen"},
+    "train": {"ATen", "c10"},  # networks in training are made of tensors; a part of the tool, for its own .cpp files
     "io": {"fmt", "gdal", "ogr", "osmium", "nlohmann"},  # *_support.hpp: for the .cpp files of io
     "remote": {"curl", "sqlite3"},  # http_transfer.hpp, sqlite.hpp: for the .cpp files of remote
     "pipeline": {"fmt", "nlohmann", "toml++"},  # run.json, site.toml
     "report": {"nlohmann"},  # the record of a run, which the page shows
     "app": {"CLI", "fmt", "httplib", "posix"},
 }
+# An .inl is compiled once per family of processors, each time by a .cpp of its own; no header includes it. So it may
+# show the intrinsics of that family.
+INTRINSICS = {"immintrin", "arm_neon"}
 OPENS = re.compile(
     r"\b(?:[io]?fstream|filebuf|fopen|freopen|fdopen|mkstemp|opendir|popen|GDALOpen\w*|VSIF?Open\w*|GDALCreate\w*)\b"
     r"|\bfilesystem::(?:exists|create_director\w+|directory_iterator|recursive_directory_iterator|remove|remove_all|rename|"
@@ -143,6 +144,8 @@ def check_file(name, text, reach, known):
                     wrong.append(f"includes {quoted}, which is not in src/ or app/")
                 continue
             ours.add(target)
+            if is_header and target.endswith(".inl") and not name.endswith(".inl"):
+                wrong.append(f"includes {quoted}: code for one family of processors goes into .cpp files only")
             other = room_of(target)
             if room == "app":
                 if other not in APP_ROOMS and target not in APP_HEADERS:
@@ -155,7 +158,8 @@ def check_file(name, text, reach, known):
         if not opens_files and OPENING_HEADERS.fullmatch(angled):
             wrong.append(f"includes <{angled}>: {room} opens no file")
         library = group_of(angled)
-        if is_header and library and library not in THIRD_PARTY.get(room, ()):
+        allowed = THIRD_PARTY.get(room, set()) | (INTRINSICS if name.endswith(".inl") else set())
+        if is_header and library and library not in allowed:
             wrong.append(f"includes <{angled}> in a header: {room} keeps {library} in its .cpp files")
     if not opens_files:
         for word in sorted({m[0] for m in OPENS.finditer(NOISE.sub(" ", INCLUDE.sub(" ", text)))}):

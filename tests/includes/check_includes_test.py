@@ -122,6 +122,15 @@ class Includes(unittest.TestCase):
         self.expect("src/orthodrive/model/odd.hpp", "#include <boost/geometry.hpp>\n", "boost")
         self.expect("src/orthodrive/pipeline/odd.hpp", "#include <gdal_priv.h>\n", "gdal")
 
+    def test_intrinsics_stay_in_what_is_compiled_per_processor(self):
+        kernel = "src/orthodrive/core/kernel.inl"
+        files = {kernel: "#include <immintrin.h>\n", "src/orthodrive/core/kernel.cpp": '#include "kernel.inl"\n'}
+        self.assertEqual(self.findings(files=files), [])
+        self.expect("src/orthodrive/core/odd.hpp", "#include <immintrin.h>\n", "odd.hpp", "immintrin")
+        found = self.findings(files={**files, "src/orthodrive/core/odd.hpp": '#include "kernel.inl"\n'})
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("one family of processors", found[0])
+
     def test_the_command_line_calls_a_stage(self):
         self.expect(
             "app/cmd_odd.cpp", '#include "orthodrive/network/build_network.hpp"\n', "cmd_odd.cpp", "the command line"

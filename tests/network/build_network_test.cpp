@@ -183,6 +183,7 @@ TEST(BuildNetwork, carriageways_of_an_oblique_crossing_do_not_overlap) {
 TEST(BuildNetwork, crossing_of_two_ways_cut_at_the_junction) {
   std::vector<RoadPath> arms;
   const std::vector<Vec2> ends{{60, 0}, {0, 60}, {-60, 0}, {0, -60}};
+  arms.reserve(ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
     arms.push_back(
         make_path({ends[i], {0, 0}}, {static_cast<std::int64_t>(i) + 10, 5}, {.osm_id = static_cast<int>(i) + 1}));
@@ -470,8 +471,9 @@ TEST(BuildNetwork, LanesOfTightTurnsBesideShortRoadsDoNotFoldAndMeetTheirLanes) 
       const roadquery::Road& other = *road_by_id(map, link.id);
       const bool other_end = link.contact == roadquery::ContactPoint::end;
       const roadquery::Lane& lane = road->sections.front().right.front();
-      const int linked = at_end ? *lane.successor : *lane.predecessor;
-      const roadquery::SurfacePoint a = border_of(*road, at_end, -1), b = border_of(other, other_end, linked);
+      const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
+      ASSERT_TRUE(linked.has_value()) << "road " << road->id;
+      const roadquery::SurfacePoint a = border_of(*road, at_end, -1), b = border_of(other, other_end, *linked);
       EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 1e-6) << "road " << road->id << " and " << other.id;
       if (other.length > 4.0) continue;
       const roadquery::PlanPoint p = roadquery::reference_point(*road, at_end ? road->length : 0.0),
@@ -556,7 +558,7 @@ TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
 
 TEST(BuildNetwork, a_slip_road_on_the_wrong_side_of_its_carriageway_still_merges) {
   // It crosses the carriageway at 6 degrees, 45 m before both meet.
-  const auto one_way = [](std::vector<Vec2> points, std::vector<std::int64_t> ids, std::int64_t way) {
+  const auto one_way = [](const std::vector<Vec2>& points, const std::vector<std::int64_t>& ids, std::int64_t way) {
     return make_path(points, ids, {.osm_id = way, .width_m = 4.0, .oneway = Oneway::forward, .lanes = 1});
   };
   const NetworkResult result =

@@ -46,6 +46,7 @@ TEST(Crown, takes_few_entries_within_its_tolerances) {
   roadquery::Road road;
   road.length = 160.0;
   std::vector<Cubic> fall;
+  fall.reserve(10);
   for (int k = 0; k < 10; ++k)
     fall.push_back(
         network::hermite(10.0 * k, 10.0 * k + 10.0, 0.025 + 1.25e-4 * (k % 2), 0.025 + 1.25e-4 * ((k + 1) % 2), 0, 0));
@@ -129,6 +130,7 @@ TEST(SimplifyProfile, leaves_out_joints_that_change_nothing) {
 TEST(SimplifyProfile, stays_within_its_tolerance_and_smooth) {
   std::vector<Cubic> waves;
   const auto value = [](int k) { return 0.02 * std::sin(0.3 * k) + 1e-4 * (k % 2); };
+  waves.reserve(40);
   for (int k = 0; k < 40; ++k)
     waves.push_back(network::hermite(5.0 * k, 5.0 * k + 5.0, value(k), value(k + 1), 0.0012 * std::cos(0.3 * k),
                                      0.0012 * std::cos(0.3 * (k + 1))));

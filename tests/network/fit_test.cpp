@@ -137,6 +137,7 @@ TEST(FitPlan, circle_points_give_one_arc_of_that_radius) {
 TEST(FitPlan, line_arc_line_stays_within_the_tolerance) {
   // 100 m straight, 90 degrees to the left with 30 m radius, 100 m straight.
   std::vector<Vec2> points;
+  points.reserve(50);
   for (int i = 0; i < 50; ++i) points.push_back({2.0 * i - 100.0, 0.0});
   for (const Vec2 p : circle_points({0.0, 30.0}, 30.0, -M_PI / 2.0, M_PI / 2.0)) points.push_back(p);
   for (int i = 1; i <= 50; ++i) points.push_back({30.0, 30.0 + 2.0 * i});
@@ -447,6 +448,7 @@ TEST(FitSpline, a_line_is_one_cubic_and_noise_is_followed) {
   EXPECT_NEAR(roadquery::evaluate(fit.cubics, 30.0), 7.5, 1e-9);
   Random random(2);
   std::vector<ProfileSample> noise;
+  noise.reserve(80);
   for (int i = 0; i < 80; ++i) noise.push_back({1.7 * i, random.normal()});
   EXPECT_LE(fit_spline(noise, {.tolerance = 0.01}).max_error, 0.01);
   EXPECT_EQ(fit_spline(std::vector<ProfileSample>{{3.0, 1.5}}).cubics.size(), 1u);

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "io/scratch.hpp"
 #include "network_support.hpp"
+#include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
 #include "orthodrive/network/junction_area.hpp"
@@ -28,8 +30,9 @@ using roadquery::RoadMap;
 
 const JunctionSurface& only_surface(const RoadMap& map) {
   EXPECT_EQ(map.junctions.size(), 1u);
-  EXPECT_TRUE(map.junctions.at(0).surface.has_value());
-  return *map.junctions.at(0).surface;
+  const std::optional<JunctionSurface>& surface = map.junctions.at(0).surface;
+  if (!surface) throw Error("the junction has no surface");
+  return *surface;
 }
 
 JunctionHeight at(const JunctionSurface& surface, Vec2 p) {
@@ -231,9 +234,10 @@ TEST(JunctionSurfaces, OddJunctionsSurvive) {
   map.junctions = {{.id = 1}, {.id = 2, .name = "nothing in it"}};
   const network::JunctionSurfaceSummary summary = network::add_junction_surfaces(map, {});
   EXPECT_EQ(summary.junctions, 1);
-  ASSERT_TRUE(map.junctions[0].surface);
+  const std::optional<JunctionSurface>& surface = map.junctions[0].surface;
+  ASSERT_TRUE(surface.has_value());
   EXPECT_FALSE(map.junctions[1].surface);
-  EXPECT_NEAR(roadquery::evaluate(*map.junctions[0].surface, 2.0, 0.0).z, 3.0, 1e-4);
+  EXPECT_NEAR(roadquery::evaluate(*surface, 2.0, 0.0).z, 3.0, 1e-4);
 }
 
 TEST(JunctionSurfaces, LittleGapsThatArmsCloseArePaved) {
@@ -363,7 +367,11 @@ TEST(JunctionSurfaces, ThoseThatOverlapAreOneSurface) {
   for (const double gap : {9.0, 10.0, 11.0, 12.0}) {
     const RoadMap map = build_network(staggered(gap, height)).map;
     if (map.junctions.size() != 2) continue;
-    const JunctionSurface &a = *map.junctions[0].surface, &b = *map.junctions[1].surface;
+    const std::optional<JunctionSurface>& first = map.junctions[0].surface;
+    const std::optional<JunctionSurface>& second = map.junctions[1].surface;
+    ASSERT_TRUE(first.has_value());
+    ASSERT_TRUE(second.has_value());
+    const JunctionSurface &a = *first, &b = *second;
     for (double x = -20.0; x < 40.0; x += 0.21)
       for (double y = -20.0; y < 20.0; y += 0.23) {
         const double px = x + site_origin.x, py = y + site_origin.y;
@@ -399,6 +407,7 @@ TEST(JunctionSurfaces, JoinedJunctionsStaySmall) {
   expect_sound(map);
   EXPECT_GE(map.junctions.size(), 3u);
   for (const roadquery::Junction& junction : map.junctions) {
+    ASSERT_TRUE(junction.surface.has_value());
     Ring ring;
     for (const auto& [x, y] : junction.surface->boundary) ring.push_back({x, y});
     EXPECT_LT(bounds_of(ring).width(), 40.0 + 30.0) << junction.id;  // 40 m between vertices, and the cuts

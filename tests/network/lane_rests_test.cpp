@@ -160,8 +160,10 @@ TEST(LaneRests, strips_go_through_junctions_and_connections_link_driving_lanes_a
   }
   EXPECT_EQ(with_strip, 2) << "both directions of the way straight on";
   ASSERT_TRUE(roadquery::has_surface(result.map.junctions[0]));
+  const std::optional<roadquery::JunctionSurface>& surface = result.map.junctions[0].surface;
+  ASSERT_TRUE(surface.has_value());
   for (const double y : {-4.6, 4.6})  // the whole width is paved
-    EXPECT_TRUE(roadquery::contains(*result.map.junctions[0].surface, site_origin.x, site_origin.y + y)) << y;
+    EXPECT_TRUE(roadquery::contains(*surface, site_origin.x, site_origin.y + y)) << y;
 }
 
 }  // namespace

@@ -314,10 +314,10 @@ void expect_ring(const roadquery::RoadMap& map, double radius_m) {
   EXPECT_EQ(map.junctions.size(), 4u);
   double length = 0.0;
   for (const Road& road : map.roads) {
-    const bool ring = road.junction < 0 && road.osm_id.starts_with("1");
+    const bool ring = road.junction < 0 && road.osm_id.starts_with('1');
     // Round through a junction: in from a way of the ring, out into one.
-    const bool through = road.junction >= 0 && road_by_id(map, road.predecessor.id)->osm_id.starts_with("1") &&
-                         road_by_id(map, road.successor.id)->osm_id.starts_with("1");
+    const bool through = road.junction >= 0 && road_by_id(map, road.predecessor.id)->osm_id.starts_with('1') &&
+                         road_by_id(map, road.successor.id)->osm_id.starts_with('1');
     if (!ring && !through) continue;
     length += road.length;
     for (double s = 0.0; s <= road.length; s += 0.5)
@@ -362,6 +362,7 @@ TEST(Roundabout, is_told_by_its_form_and_sense) {
   EXPECT_EQ(rings(ring_with_arms(false, 0.0, 1.0, 90.0), DrivingSide::right), 0) << "a one-way ring road";
   std::vector<RoadPath> block;
   const Vec2 corner[] = {{0, 0}, {60, 0}, {60, 60}, {0, 60}};
+  block.reserve(4);
   for (int i = 0; i < 4; ++i)
     block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1},
                               {.osm_id = i + 1, .oneway = Oneway::forward}));
@@ -398,6 +399,7 @@ TEST(Roundabout, of_two_way_roads_is_assumed_where_it_is_a_circle_with_arms) {
   EXPECT_EQ(findings_of(build_network(roads), "network.roundabout_assumed"), 0);
   std::vector<RoadPath> block;
   const Vec2 corner[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+  block.reserve(4);
   for (int i = 0; i < 4; ++i) {
     block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1}, {.osm_id = i + 1}));
     block.push_back(make_path({corner[i], corner[i] * 3.0 - Vec2{40, 40}}, {i + 1, i + 11}, {.osm_id = i + 11}));

@@ -446,6 +446,7 @@ TEST(Buildings, keep_off_the_surface_that_goes_on_beyond_a_roads_end) {
 TEST(Buildings, thread_count_does_not_change_a_byte) {
   const Site site = make_site(480.0, {{.start = {west_m, south_m + 240.0}, .length_m = 480.0}});
   std::vector<Building> buildings;
+  buildings.reserve(60);
   for (int i = 0; i < 60; ++i) buildings.push_back(building_at(7.0 * i, 225.0 + i % 5, 10.0 + i % 7, 12.0));
   const auto one = lay_out(site, buildings, 1), four = lay_out(site, buildings, 4);
   const SceneTile a = build_scene_tile(*one, {1000, 13000}), b = build_scene_tile(*four, {1000, 13000});
@@ -476,6 +477,7 @@ TEST(Buildings, from_afar_are_blocks_within_the_error_they_state) {
   const auto layout = lay_out(site, three_sizes());
   ASSERT_EQ(layout->buildings.size(), 3U);
   std::vector<const scene::PlacedBuilding*> all;
+  all.reserve(layout->buildings.size());
   for (const auto& building : layout->buildings) all.push_back(&building);
   const Vec3 origin = layout->origin;
   const std::size_t whole = scene::building_mesh(all, origin, scene::BuildingDetail::blocks).indices.size();

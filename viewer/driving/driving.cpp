@@ -146,12 +146,13 @@ EXPORT(place) const double* place(double x_m, double y_m, double heading_rad, do
 
 /// What lies beside the roads near the car: z = z0 + gradient_x x + gradient_y y.
 EXPORT(set_beside) void set_beside(double z0_m, double gradient_x, double gradient_y) {
-  ground->set_beside(vehicle::PlaneGround(z0_m, gradient_x, gradient_y, grass_friction));
+  if (ground) ground->set_beside(vehicle::PlaneGround(z0_m, gradient_x, gradient_y, grass_friction));
 }
 
 /// Drives on; gear 1: the gearbox chooses, 0: neutral, -1: reverse.
 EXPORT(advance)
 void advance(double elapsed_s, double steering_rad, double throttle, double brake, int gear) {
+  if (!ground) return;  // nobody has placed the car
   const vehicle::Controls controls{
       .steering_rad = steering_rad, .throttle = throttle, .brake = brake, .automatic = gear > 0, .gear = gear};
   for (time_owed_s += elapsed_s; time_owed_s >= step_s; time_owed_s -= step_s) car->step(step_s, controls, *ground);

@@ -11,6 +11,7 @@ namespace orthodrive::io {
 
 std::optional<std::string> time_of_tag(const std::string& text) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  // NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion): of four digits at most
   const int read = std::sscanf(text.c_str(), "%4d:%2d:%2d %2d:%2d:%2d", &year, &month, &day, &hour, &minute, &second);
   const auto within = [](int value, int least, int most) { return value >= least && value <= most; };
   const bool good = read == 6 && within(year, 1900, 2100) && within(month, 1, 12) && within(day, 1, 31) &&

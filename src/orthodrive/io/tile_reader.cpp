@@ -160,8 +160,9 @@ class Glb {
   const View& unpacked(std::size_t index) {
     const Json& view = json.at("bufferViews").at(index);
     if (views_.size() <= index) views_.resize(index + 1);
-    if (views_[index]) return *views_[index];
-    View& result = views_[index].emplace();
+    std::optional<View>& known = views_[index];
+    if (known) return *known;
+    View& result = known.emplace();
     result.stride = count_or_zero(view, "byteStride");
     if (!view.contains("extensions")) {
       const auto bytes = part(view);
@@ -241,6 +242,7 @@ std::vector<MeshInstance> read_copies(Glb& glb, const Json& attributes) {
                             scales = glb.numbers(attributes.at("SCALE"));
   if (turns.size() != 4 * positions.size() || scales.size() != 3 * positions.size()) throw Error("copies lack numbers");
   std::vector<MeshInstance> copies;
+  copies.reserve(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
     copies.push_back({.position = positions[i],
                       .yaw_rad = static_cast<float>(2.0 * std::atan2(turns[4 * i + 1], turns[4 * i + 3])),

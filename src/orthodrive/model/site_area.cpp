@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -107,7 +107,8 @@ Ring placed_ring(const Ring& lonlat, const CoordinateTransform& frame_from_lonla
 std::optional<double> central_meridian(const Crs& crs) {
   const std::string& code = crs.definition;
   if (code.size() != 10 || !(code.starts_with("EPSG:326") || code.starts_with("EPSG:327"))) return std::nullopt;
-  const int zone = std::atoi(code.c_str() + 8);
+  int zone = 0;
+  std::from_chars(code.data() + 8, code.data() + code.size(), zone);
   if (zone < 1 || zone > 60) return std::nullopt;
   return -183.0 + 6.0 * zone;
 }

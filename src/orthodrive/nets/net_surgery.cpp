@@ -56,7 +56,8 @@ NamedTensor he_normal(const Layer& layer, std::uint64_t seed) {
 NamedTensor bilinear(const Layer& layer) {
   NamedTensor tensor = filled(kernel_file_shape(layer), 0.0F);
   const int k = layer.kernel;
-  const double factor = (k + 1) / 2, center = k % 2 == 1 ? factor - 1.0 : factor - 0.5;
+  const int half = (k + 1) / 2;
+  const double factor = half, center = k % 2 == 1 ? factor - 1.0 : factor - 0.5;
   for (int y = 0; y < k; ++y) {
     for (int x = 0; x < k; ++x) {
       const double value = (1.0 - std::abs(y - center) / factor) * (1.0 - std::abs(x - center) / factor);

@@ -183,13 +183,13 @@ void link_roads(RoadMap& map, RoadEnd a, const Draft& draft_a, RoadEnd b, const 
   const auto contact = [](RoadEnd e) { return e.at_end ? ContactPoint::end : ContactPoint::start; };
   set_link(map, a, {LinkKind::road, map.roads[index_of(b.road)].id, contact(b)});
   set_link(map, b, {LinkKind::road, map.roads[index_of(a.road)].id, contact(a)});
-  if (!(a.at_end ? draft_a.end : draft_a.start)) return;
-  const RoadEndLanes &open_a = a.at_end ? *draft_a.end : *draft_a.start,
-                     &open_b = b.at_end ? *draft_b.end : *draft_b.start;
+  const std::optional<RoadEndLanes>& open_a = a.at_end ? draft_a.end : draft_a.start;
+  const std::optional<RoadEndLanes>& open_b = b.at_end ? draft_b.end : draft_b.start;
+  if (!open_a || !open_b) return;
   for (const bool a_left : {true, false}) {
     const bool b_left = a_left == (a.at_end != b.at_end);
-    link_side(map.roads[index_of(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right,
-              map.roads[index_of(b.road)], b.at_end, b_left, b_left ? open_b.left : open_b.right);
+    link_side(map.roads[index_of(a.road)], a.at_end, a_left, a_left ? open_a->left : open_a->right,
+              map.roads[index_of(b.road)], b.at_end, b_left, b_left ? open_b->left : open_b->right);
   }
 }
 

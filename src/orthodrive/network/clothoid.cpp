@@ -185,7 +185,8 @@ ClothoidSpline clothoid_spline(std::span<const Vec2> points, std::span<const dou
     const double sum = equations.found ? square_sum(equations) : INFINITY;
     const bool better = iteration == 0 || sum <= before * (1.0 + 1e-9) || sum < 1e-18;
     if (!std::isfinite(sum) || !better) {  // half a step back
-      if (iteration == 0 || (scale *= 0.5) < 1e-3) return {};
+      scale *= 0.5;
+      if (iteration == 0 || scale < 1e-3) return {};
       for (std::size_t i = 0; i < n; ++i) h[i] = last[i] + scale * step[i];
       continue;
     }

@@ -82,9 +82,11 @@ class MainRoads {
         geometry_(geometry),
         at_vertex_(main_chains(roads, topology, geometry)),
         in_junction_(static_cast<std::size_t>(junctions.junctions)) {
-    for (const VertexIndex v : at_vertex_.indices())
-      if (const int junction = junctions.junction_of_vertex[v]; junction >= 0 && at_vertex_[v])
-        in_junction_[static_cast<std::size_t>(junction)].push_back(*at_vertex_[v]);
+    for (const VertexIndex v : at_vertex_.indices()) {
+      const int junction = junctions.junction_of_vertex[v];
+      const std::optional<Main>& main = at_vertex_[v];
+      if (junction >= 0 && main) in_junction_[static_cast<std::size_t>(junction)].push_back(*main);
+    }
   }
 
   /// None where it is the chain itself. Where that came there from another main road within the junction and still lies
@@ -113,10 +115,11 @@ class MainRoads {
     const ChainIndex chain = all[i].chain;
     for (bool passed = false;; passed = true) {
       const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
-      if (!vertex || !at_vertex_[vertex]) return std::nullopt;
-      const Main& main = *at_vertex_[vertex];
-      if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0))
-        return passed && beyond_m(main, p) > beside_m ? std::nullopt : std::optional(main);
+      if (!vertex) return std::nullopt;
+      const std::optional<Main>& main = at_vertex_[vertex];
+      if (!main) return std::nullopt;
+      if (main->chain != chain || main->s != (at_s1 ? all[i].s1 : all[i].s0))
+        return passed && beyond_m(*main, p) > beside_m ? std::nullopt : main;
       if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
       i = at_s1 ? i + 1 : i - 1;
       if (all[i].chain != chain || !all[i].inside) return std::nullopt;

@@ -14,7 +14,6 @@ namespace orthodrive::network {
 namespace {
 
 using roadquery::Lane;
-using roadquery::LaneType;
 using roadquery::Road;
 using roadquery::RoadMap;
 

@@ -125,6 +125,7 @@ using Knots = std::vector<std::size_t>;
 /// Values of a spline at all places of its course.
 std::vector<double> sampled(const CubicSpline& spline, const Course& course) {
   std::vector<double> values;
+  values.reserve(course.values.size());
   for (std::size_t i = 0; i < course.values.size(); ++i) values.push_back(spline.at(course.s(i)));
   return values;
 }
@@ -209,6 +210,7 @@ double worst_share(const std::vector<double>& here, const std::vector<double>& o
 void thin(Profile& profile) {
   auto off = profile.off();
   std::vector<double> allowed;
+  allowed.reserve(off[0].size());
   for (std::size_t i = 0; i < off[0].size(); ++i) allowed.push_back(std::max(tolerance_m, off[0][i] + off[1][i]));
   for (;;) {
     double least = 1.0 + 1e-9;

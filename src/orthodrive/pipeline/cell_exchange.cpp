@@ -71,7 +71,11 @@ std::optional<std::string> CellExchange::load(const std::string& loop, std::size
 
 std::optional<std::string> CellExchange::claim(const std::string& loop, std::size_t block) {
   if (!role_) return std::nullopt;
-  if (role_ == Role::helps && store_.empty()) throw StageIsMade();
+  const auto throw_if_made = [&] {
+    // NOLINTNEXTLINE(bugprone-std-exception-baseclass): no error, so who catches errors must not see it
+    if (role_ == Role::helps && store_.empty()) throw StageIsMade();
+  };
+  throw_if_made();
   const CellStore blocks = store_.part(loop);
   blocks.open();
   for (int before = 0;; ++before) {
@@ -80,8 +84,8 @@ std::optional<std::string> CellExchange::claim(const std::string& loop, std::siz
     fs::create_symlink(CellStore::this_process(), link, failed);
     if (!failed) return std::nullopt;
     std::error_code unread;
-    const std::string maker = fs::read_symlink(link, unread).string();
-    if (unread && role_ == Role::helps && store_.empty()) throw StageIsMade();
+    std::string maker = fs::read_symlink(link, unread).string();
+    if (unread) throw_if_made();
     if (unread) throw Error(fmt::format("{}: cannot be written ({})", link.string(), failed.message()));
     const std::lock_guard lock(mutex_);
     if (!lost_.contains(maker)) return maker;
@@ -115,7 +119,8 @@ std::optional<std::string> CellExchange::take(const std::string& loop, std::size
   std::chrono::milliseconds pause = shortest_exchange_pause;
   while (const std::optional<std::string> maker = claim(loop, block)) {
     throw_if_stopped();
-    if ((bytes = load(loop, block))) return bytes;
+    bytes = load(loop, block);
+    if (bytes) return bytes;
     if (!lost_of({*maker}).empty()) continue;
     std::this_thread::sleep_for(pause);
     pause = std::min<std::chrono::milliseconds>(pause * 2, longest_exchange_pause);

@@ -56,7 +56,7 @@ RoadAlignment by_path(const MapPlaces& places, const std::vector<PlaceAlignment>
   return result;
 }
 
-const Sources::Files& or_else(const Sources::Files& files, const Sources::Files& otherwise) {
+Sources::Files or_else(const Sources::Files& files, const Sources::Files& otherwise) {
   return files.empty() ? otherwise : files;
 }
 

@@ -230,7 +230,7 @@ void append(std::string& table, const ScoreJson& scores, int depth) {
       if (value.empty() || !value.front().is_string()) continue;
       table += name + " ";
       for (const ScoreJson& item : value) table += " " + item.get<std::string>();
-      table += "\n";
+      table += '\n';
     } else if (key == "confusion") {
       continue;
     } else if (!value.is_object()) {

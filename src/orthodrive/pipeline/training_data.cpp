@@ -279,10 +279,10 @@ void add_part(TrainingData& result, const Experiment& experiment, Part part, dou
     if (monitor) monitor->info("reading " + name + (part == Part::held_out ? ", held out" : ""));
   };
   for (const MapData& data : experiment.maps) {
-    if (part == Part::held_out && !data.held_out_lonlat) continue;
+    const std::optional<Box2> lonlat = part == Part::held_out ? data.held_out_lonlat : data.area_lonlat;
+    if (!lonlat) continue;
     tell(data.name);
-    const Box2& lonlat = part == Part::held_out ? *data.held_out_lonlat : data.area_lonlat;
-    add_labelled(result, data.name, read_map_data(data, lonlat, gsd_m, classes, threads), part, data.use);
+    add_labelled(result, data.name, read_map_data(data, *lonlat, gsd_m, classes, threads), part, data.use);
   }
   for (const RasterData& data : experiment.rasters) {
     if (data.held_out != (part == Part::held_out)) continue;

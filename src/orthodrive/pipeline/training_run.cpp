@@ -148,7 +148,7 @@ void train(const TrainingRun& run, Monitor* monitor) {
     if (stage.options.early_stop_after > 0 && fs::exists(best_file)) write_text_file(model_file, read_bytes(best_file));
     if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
   }
-  log->write_page();  // also where nothing was validated
+  if (log) log->write_page();  // also where nothing was validated
 }
 
 std::string search_table(const CrfSearch& search) {

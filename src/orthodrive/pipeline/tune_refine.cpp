@@ -116,7 +116,7 @@ std::string verdict(const TuneResult& result) {
   if (search.training_gain_m() > 0.0)
     text += fmt::format(": over-fitting {:.3f} m, {:.0f} % of the gain", search.overfitting_m(),
                         overfitting_percent(search));
-  text += ".";
+  text += '.';
   if (!tuning_helps(result))
     text += " Warning: on held-out sites nothing is gained, so the shipped weights should stay.";
   return text;
@@ -153,13 +153,13 @@ std::string to_table(const TuneResult& result) {
 
   table += fmt::format("\n{:<24}{:>10}{:>10}", "weight", "start", "tuned");
   for (const TunedWeights& fold : result.search.folds) table += fmt::format("  without {}", fold.held_out_fold);
-  table += "\n";
+  table += '\n';
   for (const NamedWeight& weight : refine_weight_table()) {
     table += fmt::format("{:<24}{:>10.3g}{:>10.3g}", weight.name, result.options.start.*weight.value,
                          result.search.all.weights.*weight.value);
     for (const TunedWeights& fold : result.search.folds)
       table += fmt::format("{:>{}.3g}", fold.weights.*weight.value, fold.held_out_fold.size() + 10);
-    table += "\n";
+    table += '\n';
   }
   return table + "\n" + verdict(result) + "\n";
 }

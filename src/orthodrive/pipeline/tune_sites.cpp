@@ -85,6 +85,7 @@ bool comes_into(const Box2& box, const Polyline& line) {
 
 /// What lies far from the area can change nothing there, but costs time.
 void crop(TuneSite& site) {
+  if (!site.region.area) return;
   const Box2 area = bounds_of_area(*site.region.area);
   constexpr double roads_m =
       150.0;  // roads act on each other through junctions and as neighbours: a few tens of metres

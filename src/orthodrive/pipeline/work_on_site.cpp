@@ -72,7 +72,7 @@ class Helper {
       sources_.require_unchanged(stage, [&] {
         try {
           stage.help();
-        } catch (const StageIsMade&) {
+        } catch (const StageIsMade&) {  // NOLINT(bugprone-empty-catch): nothing is left to help with
         }
       });
       build_.context.exchange = nullptr;
@@ -137,7 +137,7 @@ void work_on_site(const Site& site, const fs::path& out_dir, const BuildShare& s
       try {
         (void)build_site(site, out_dir, shared, monitor);
         return;
-      } catch (const FolderInUse&) {
+      } catch (const FolderInUse&) {  // NOLINT(bugprone-empty-catch): who builds it can be helped
       }
     }
     if (help_build(site, out_dir, share, options, monitor)) return;

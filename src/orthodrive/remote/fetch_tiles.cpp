@@ -126,7 +126,7 @@ std::set<TileAddress> take_over(const FetchJob& job, const TilePlan& plan, TileS
       if (!store.has(tile)) store.put(tile, stored);
       if (job.options.refresh) stale.insert(tile);
     });
-  } catch (const InputError&) {  // it is damaged: all is asked again
+  } catch (const InputError&) {  // NOLINT(bugprone-empty-catch): it is damaged, so all is asked again
   }
   store.keep(true);
   return stale;
@@ -150,14 +150,14 @@ Box2 extent_of(const TilePlan& plan) {
   return {first.min_x, last.min_y, last.max_x, first.max_y};
 }
 
-std::map<std::string, std::string> mbtiles_metadata(const FetchJob& job, const TilePlan& plan,
+std::map<std::string, std::string> mbtiles_metadata(const FetchJob& job, const TilePlan& plan, int level,
                                                     const std::string& format) {
   // Of whole tiles: GDAL cuts the picture at these bounds, and resampling looks beyond the area.
   const Box2 extent = extent_of(plan);
   const CoordinateTransform lonlat_from_mercator(plan.crs, Crs{"EPSG:4326"});
   const Vec2 south_west = lonlat_from_mercator.target_from_source({extent.min_x, extent.min_y});
   const Vec2 north_east = lonlat_from_mercator.target_from_source({extent.max_x, extent.max_y});
-  const std::string zoom = std::to_string(*plan.zoom);
+  const std::string zoom = std::to_string(level);
   std::map<std::string, std::string> metadata{
       {"name", job.source.to.stem().string()},
       {"type", "baselayer"},
@@ -255,7 +255,7 @@ FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
     if (!format.empty()) {
       job.about_to_place();
       if (plan.zoom && job.source.to.extension() == ".mbtiles")
-        write_mbtiles(job.source.to, store, *plan.zoom, plan.tiles, mbtiles_metadata(job, plan, format));
+        write_mbtiles(job.source.to, store, *plan.zoom, plan.tiles, mbtiles_metadata(job, plan, *plan.zoom, format));
       else
         write_mosaic(job, plan, store);
     }

@@ -22,21 +22,34 @@ std::string plan_of(const Database& db) {
   Statement ask = db.prepare("SELECT value FROM metadata WHERE name = 'plan'");
   return ask.step() ? ask.text(0) : std::string();
 }
+/// With its tables; emptied where it holds another plan.
+Database open_store(const fs::path& file, const std::string& plan) {
+  Database db(file, Database::Mode::write);
+  // A write-ahead log: a killed process leaves whole batches, and one that is forced to the disk now and then.
+  db.run(
+      "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = "
+      "-20000;"
+      "CREATE TABLE IF NOT EXISTS metadata (name TEXT PRIMARY KEY, value TEXT);"
+      "CREATE TABLE IF NOT EXISTS fetched (row INTEGER, col INTEGER, missing INTEGER, data BLOB, etag TEXT, modified "
+      "TEXT,"
+      "  PRIMARY KEY (row, col));");
+  if (plan_of(db) != plan) {
+    db.run("DELETE FROM fetched; DELETE FROM metadata;");
+    db.prepare("INSERT INTO metadata VALUES ('plan', ?)").bind_text(1, plan).run();
+  }
+  return db;
+}
+
 }  // namespace
 
 struct TileStore::State {
-  explicit State(const fs::path& file) : db(file, Database::Mode::write) {
-    // A write-ahead log: a killed process leaves whole batches, and one that is forced to the disk now and then.
-    db.run(
-        "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = "
-        "-20000;"
-        "CREATE TABLE IF NOT EXISTS metadata (name TEXT PRIMARY KEY, value TEXT);"
-        "CREATE TABLE IF NOT EXISTS fetched (row INTEGER, col INTEGER, missing INTEGER, data BLOB, etag TEXT, modified "
-        "TEXT,"
-        "  PRIMARY KEY (row, col));");
-  }
+  State(const fs::path& file, const std::string& plan)
+      : db(open_store(file, plan)),
+        has(db.prepare("SELECT 1 FROM fetched WHERE row = ? AND col = ?")),
+        get(db.prepare("SELECT missing, data, etag, modified FROM fetched WHERE row = ? AND col = ?")),
+        put(db.prepare("INSERT OR REPLACE INTO fetched VALUES (?, ?, ?, ?, ?, ?)")) {}
   Database db;
-  std::optional<Statement> has, get, put;
+  Statement has, get, put;
   bool in_batch = false;
   StoreClock::time_point begun;
 };
@@ -47,33 +60,25 @@ TileStore::TileStore(const fs::path& file, const std::string& plan) {
     fs::create_directories(file.parent_path(), failed);
     if (failed) throw Error(fmt::format("{}: cannot be created ({})", file.parent_path().string(), failed.message()));
   }
-  state_ = std::make_unique<State>(file);
-  const Database& db = state_->db;
-  if (plan_of(db) != plan) {
-    db.run("DELETE FROM fetched; DELETE FROM metadata;");
-    db.prepare("INSERT INTO metadata VALUES ('plan', ?)").bind_text(1, plan).run();
-  }
-  state_->has = db.prepare("SELECT 1 FROM fetched WHERE row = ? AND col = ?");
-  state_->get = db.prepare("SELECT missing, data, etag, modified FROM fetched WHERE row = ? AND col = ?");
-  state_->put = db.prepare("INSERT OR REPLACE INTO fetched VALUES (?, ?, ?, ?, ?, ?)");
+  state_ = std::make_unique<State>(file, plan);
 }
 
 TileStore::~TileStore() {
   try {
     keep(true);
-  } catch (const std::exception&) {  // the tiles of the last second are asked again
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the tiles of the last second are asked again
   }
 }
 
 bool TileStore::has(TileAddress tile) const {
-  Statement& ask = *state_->has;
+  Statement& ask = state_->has;
   const bool found = ask.bind(1, tile.row).bind(2, tile.column).step();
   ask.reset();
   return found;
 }
 
 std::optional<StoredTile> TileStore::get(TileAddress tile) const {
-  Statement& ask = *state_->get;
+  Statement& ask = state_->get;
   std::optional<StoredTile> found;
   if (ask.bind(1, tile.row).bind(2, tile.column).step()) found = tile_of(ask, 0);
   ask.reset();
@@ -85,8 +90,8 @@ void TileStore::put(TileAddress tile, const StoredTile& stored) {
     state_->db.run("BEGIN");
     state_->in_batch = true, state_->begun = StoreClock::now();
   }
-  state_->put->bind(1, tile.row).bind(2, tile.column).bind(3, stored.missing ? 1 : 0);
-  state_->put->bind_blob(4, stored.bytes).bind_text(5, stored.etag).bind_text(6, stored.last_modified).run();
+  state_->put.bind(1, tile.row).bind(2, tile.column).bind(3, stored.missing ? 1 : 0);
+  state_->put.bind_blob(4, stored.bytes).bind_text(5, stored.etag).bind_text(6, stored.last_modified).run();
 }
 
 void TileStore::keep(bool now) {

@@ -243,7 +243,7 @@ struct MapFrame {
   [[nodiscard]] double to_x(double v) const { return 0.5 * (left + right) + (v - x_mid_m) * px_per_m; }
   [[nodiscard]] double to_y(double v) const { return 0.5 * (top + bottom) - (v - y_mid_m) * px_per_m; }
   [[nodiscard]] int color_step(double v) const {
-    return static_cast<int>(std::clamp((v - value.low) / value.size(), 0.0, 1.0) * (color_steps - 1) + 0.5);
+    return static_cast<int>(std::floor(std::clamp((v - value.low) / value.size(), 0.0, 1.0) * (color_steps - 1) + 0.5));
   }
 };
 

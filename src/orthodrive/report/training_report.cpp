@@ -127,7 +127,7 @@ std::vector<Validation> validations_of(std::span<const TrainReport> rows) {
       it = all.insert(all.end(), Validation{row.validation, curve_colors[all.size() % curve_colors.size()], {}});
     it->rows.push_back(&row);
     const double iou = row.mean_iou.value_or(nan);
-    if (std::isfinite(iou) && (!it->best || iou > *it->best->mean_iou)) it->best = &row;
+    if (std::isfinite(iou) && (!it->best || iou > it->best->mean_iou.value_or(nan))) it->best = &row;
   }
   return all;
 }

@@ -236,14 +236,17 @@ MultiPolygon RoadLevel::junction_areas(const RoadJoints* joints) {
         std::ranges::copy(covered, std::back_inserter(arms_elsewhere[link.id]));
   }
   for (const roadquery::Junction& junction : map.junctions) {
+    const std::optional<roadquery::JunctionSurface>& own = junction.surface;
+    if (!own) continue;
+    const roadquery::JunctionSurface& surface = *own;
     const auto is_on_level = [&](const roadquery::Road& road) {
       return road.junction == junction.id && is_on_level_[static_cast<std::size_t>(&road - map.roads.data())];
     };
-    if (!junction.surface || std::ranges::none_of(map.roads, is_on_level)) continue;
+    if (std::ranges::none_of(map.roads, is_on_level)) continue;
     Polygon paved;
-    for (const auto& [x, y] : junction.surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
+    for (const auto& [x, y] : surface.boundary) paved.outer.push_back(snap_to_grid({x, y}));
     if (paved.outer.size() < 3 || !(signed_area_m2(paved.outer) > min_piece_area_m2)) continue;
-    junctions_.push_back(&junction);
+    junctions_.push_back(&surface);
     boxes.push_back(bounds_of(paved.outer));
     const MultiPolygon& arms = arms_elsewhere[junction.id];
     if (arms.empty())
@@ -271,9 +274,9 @@ std::optional<SurfaceSample> RoadLevel::sample(Vec2 p, double reach_m) const {
 /// A corner of a junction's area lies on its boundary, but for the plan grid, and there may be no road near it: the
 /// nearest junction's surface goes on over its boundary.
 std::optional<SurfaceSample> RoadLevel::beside_junction(Vec2 p, double reach_m) const {
-  const roadquery::Junction* nearest = nullptr;
+  const roadquery::JunctionSurface* nearest = nullptr;
   for (const std::uint32_t i : junction_index_.near(p, reach_m)) {
-    const auto& boundary = junctions_[i]->surface->boundary;
+    const auto& boundary = junctions_[i]->boundary;
     for (std::size_t k = 0; k < boundary.size(); ++k) {
       const std::array<double, 2>&a = boundary[k], &b = boundary[(k + 1) % boundary.size()];
       const double away_m = distance_to_segment(p, {a[0], a[1]}, {b[0], b[1]});
@@ -281,7 +284,7 @@ std::optional<SurfaceSample> RoadLevel::beside_junction(Vec2 p, double reach_m) 
     }
   }
   if (nearest == nullptr) return std::nullopt;
-  const roadquery::JunctionHeight at = roadquery::evaluate(*nearest->surface, p.x, p.y);
+  const roadquery::JunctionHeight at = roadquery::evaluate(*nearest, p.x, p.y);
   const double length = std::hypot(at.dz_dx, at.dz_dy, 1.0);
   return SurfaceSample{at.z, {-at.dz_dx / length, -at.dz_dy / length, 1.0 / length}, 0.0};
 }

@@ -64,7 +64,7 @@ class RoadLevel {
   std::shared_ptr<const roadquery::RoadQuery> query_;
   std::vector<bool> is_on_level_;  // of the query's roads
   std::vector<std::vector<CrossSection>> strips_;
-  std::vector<const roadquery::Junction*> junctions_;  // with a surface of their own, on this level
+  std::vector<const roadquery::JunctionSurface*> junctions_;  // on this level
   SpatialIndex junction_index_;
   std::vector<Polygon> pieces_;   // between two sections of a road, junctions; then those beyond ends
   std::size_t paved_pieces_ = 0;  // of them: before those beyond ends

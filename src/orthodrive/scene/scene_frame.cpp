@@ -98,7 +98,7 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
   bounds = bounds_of(area.outer);
   outline = Outline(dense_area, area_reach_m);
   tiles = tiles_of(outline, bounds);
-  terrain.emplace(source.terrain, outline, findings);
+  terrain = std::make_unique<const TerrainWindows>(source.terrain, outline, findings);
   if (source.surroundings) {
     water_levels = scene::water_levels(source.surroundings->water, outline, *terrain, photo, findings);
     for (const MapPowerLine& line : source.surroundings->power_lines) {

@@ -27,7 +27,7 @@ struct SceneFrame {
   Findings findings;               ///< of terrain and water
   Outline outline;                 ///< of the area
   std::vector<TileAddress> tiles;  ///< those that share ground with the area, by column, then row
-  std::optional<TerrainWindows> terrain;
+  std::unique_ptr<const TerrainWindows> terrain;        ///< never null
   std::vector<std::optional<WaterLevel>> water_levels;  ///< one for each polygon of the surroundings' water
   std::vector<std::vector<double>> power_ground_m;  ///< terrain at the points of each of the surroundings' power lines
   std::set<int> roads_over;                         ///< ids of roads on the ground that lie over others: drawn as decks

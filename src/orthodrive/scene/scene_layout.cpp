@@ -146,8 +146,8 @@ Box2 block_around(const std::vector<TileAddress>& tiles) {
   return box;
 }
 
-std::shared_ptr<const SceneLayout> lay_out_block(std::shared_ptr<const SceneFrame> frame, const SceneWindows& windows,
-                                                 const Box2& block) {
+std::shared_ptr<const SceneLayout> lay_out_block(const std::shared_ptr<const SceneFrame>& frame,
+                                                 const SceneWindows& windows, const Box2& block) {
   const auto layout = std::make_shared<SceneLayout>(frame, windows.window(block.grown(margin_m)), block);
   const Box2 all = block_around(frame->tiles);
   std::erase_if(layout->findings, [&](const Finding& finding) {
@@ -238,8 +238,8 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
   std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
   std::ranges::move(standing.large, std::back_inserter(lasting));
-  barriers = by_tile(std::move(lasting));
-  objects = by_tile(std::move(standing.small));
+  barriers = by_tile(lasting);
+  objects = by_tile(standing.small);
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
   covers = place_covers(surroundings, {space, waters, *photo, labels, block, options.threads});
@@ -285,7 +285,7 @@ void SceneLayout::lay_tunnels(std::vector<Polyline>& lines) {
   Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, frame->dense_area);
   append_rings(built.openings, window.box, lines);
   openings = Outline(built.openings, tree_reach_m);
-  tubes = by_tile(std::move(built.faces));
+  tubes = by_tile(built.faces);
   constexpr std::size_t over_tunnels = 4;
   for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)][over_tunnels].push_back(snap_to_grid(p));
   std::ranges::move(built.findings, std::back_inserter(findings));
@@ -311,10 +311,10 @@ void SceneLayout::lay_roads() {
   add_markings(roads, ground_lines);
   add_level_kerbs(roads, *query, window.roads, ground_lines);
   const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
-    lines.clear();
-    append_rings(level.polygons(), window.box, lines);
-    append_lane_cuts(level, *query, joints, window.box, lines);
-    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
+    std::vector<Polyline> borders;
+    append_rings(level.polygons(), window.box, borders);
+    append_lane_cuts(level, *query, joints, window.box, borders);
+    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(borders), window.box));
     add_road_crossings(level, chord_m, own.on_west, own.on_south);
     add_markings(level, own);
     add_level_kerbs(level, *query, window.roads, own);

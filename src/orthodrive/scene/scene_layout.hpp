@@ -51,7 +51,7 @@ struct LevelLines {
 
 /// Lays out the tiles of a block, with findings at places in it only: those beyond the rim of the area count for the
 /// block next to them.
-[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_block(std::shared_ptr<const SceneFrame> frame,
+[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_block(const std::shared_ptr<const SceneFrame>& frame,
                                                                const SceneWindows& windows, const Box2& block);
 
 }  // namespace scene
@@ -77,9 +77,9 @@ class SceneLayout {
   std::vector<scene::LevelLines> deck_lines;
   std::vector<scene::RoadLevel> tunnels;  ///< likewise
   std::vector<scene::LevelLines> tunnel_lines;
-  scene::RoadJoints joints;  ///< of levels; the ground is 0, then come decks and tunnels
-  scene::Outline openings;   ///< no ground lies in them
-  std::unique_ptr<const scene::Ground> ground;  ///< never null once the layout is made
+  scene::RoadJoints joints;                           ///< of levels; the ground is 0, then come decks and tunnels
+  scene::Outline openings;                            ///< no ground lies in them
+  std::unique_ptr<const scene::Ground> ground;        ///< never null once the layout is made
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
   std::vector<scene::PlacedBuilding> buildings;

@@ -26,10 +26,11 @@ std::uint8_t srgb_byte(double linear) {
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       const double v = static_cast<double>(i) / steps;
       const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
-      bytes[i] = static_cast<std::uint8_t>(255.0 * std::clamp(s, 0.0, 1.0) + 0.5);
+      bytes[i] = static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(s, 0.0, 1.0) + 0.5));
     }
     return bytes;
   }();
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and asked for every pixel
   return table[static_cast<std::size_t>(steps * std::clamp(linear, 0.0, 1.0) + 0.5)];
 }
 

@@ -410,7 +410,8 @@ void add_piers(const StructureInput& input, const roadquery::Road& road, Faces& 
   for (int i = 1; i < spans; ++i) {
     const double s = road.length * i / spans, most_m = 0.35 * road.length / spans;
     for (int k = 0; k <= static_cast<int>(most_m) * 2; ++k) {  // to the nearest free place
-      const double moved = (k + 1) / 2 * (k % 2 == 0 ? 1.0 : -1.0);
+      const int away_m = (k + 1) / 2;
+      const double moved = away_m * (k % 2 == 0 ? 1.0 : -1.0);
       const DeckPlace place = deck_place(input, road, s + moved);
       if (place.clearance_m < least_clearance_m || !may_stand(input, place)) continue;
       add_pier(input, place, faces);
@@ -531,7 +532,7 @@ void sort_by_place(std::vector<StructureFace>& faces) {
   });
 }
 
-std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces) {
+std::map<TileAddress, std::vector<StructureFace>> by_tile(std::span<const StructureFace> faces) {
   std::map<TileAddress, std::vector<StructureFace>> tiles;
   for (const StructureFace& face : faces) {
     const auto& c = face.corners;

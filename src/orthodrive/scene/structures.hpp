@@ -48,7 +48,7 @@ struct StructureInput {
 void sort_by_place(std::vector<StructureFace>& faces);
 
 /// Faces by the tile of their middle.
-[[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);
+[[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::span<const StructureFace> faces);
 
 /// Which faces go into a mesh.
 struct FaceFilter {

@@ -457,7 +457,9 @@ TexelAt texels_of(SurfaceMaterial material) {
   return asphalt();
 }
 
-std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5); }
+std::uint8_t byte_of(double unit) {
+  return static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5));
+}
 
 }  // namespace
 

@@ -36,12 +36,13 @@ TileLevels::TileLevels(const std::vector<TileAddress>& addresses, Write write)
 }
 
 void TileLevels::finish(SceneTile tile, std::span<const PlacedBuilding* const> buildings) {
-  FinishedTile finished{.address = {tile.column, tile.row}};
+  const TileAddress address{tile.column, tile.row};
+  FinishedTile finished{.address = address};
   if (!tile.meshes.empty()) write_(tile);
   if (levels_.empty()) return;
   for (const PlacedBuilding* building : buildings) finished.buildings.push_back(*building);
   if (!tile.meshes.empty()) finished.tile = std::make_unique<const SceneTile>(ready_to_coarsen(std::move(tile)));
-  hand_up(0, finished.address, std::move(finished));
+  hand_up(0, address, std::move(finished));
 }
 
 void TileLevels::stop_at(int level, std::function<void(FinishedTile)> keep) {

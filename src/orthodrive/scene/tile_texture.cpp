@@ -86,7 +86,8 @@ Raster<std::uint8_t> tile_texture(const Photo& photo, const Box2& square, int ma
       }
       if (!(total > 0.0F)) continue;
       for (int channel = 0; channel < 3; ++channel)
-        rgb.at(col, row, channel) = static_cast<std::uint8_t>(sum[static_cast<std::size_t>(channel)] / total + 0.5F);
+        rgb.at(col, row, channel) =
+            static_cast<std::uint8_t>(std::floor(sum[static_cast<std::size_t>(channel)] / total + 0.5F));
       known.at(col, row) = 1;
       any = true;
     }

@@ -72,13 +72,14 @@ Waters::Waters(const MultiPolygon& polygons, std::span<const std::optional<Water
                const WaterInput& input) {
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
-    if (!levels[i]) continue;
+    const std::optional<WaterLevel>& level = levels[i];
+    if (!level) continue;
     MultiPolygon shores = shores_of(polygons[i], input, bodies_);
     if (shores.empty()) continue;
     const Box2 box = bounds_of_all(shores);
     boxes.push_back(box.grown(shore_reach_m));
     Outline outline(shores, shore_reach_m);
-    bodies_.push_back({std::move(shores), box, std::move(outline), levels[i]->level_m, levels[i]->color});
+    bodies_.push_back({std::move(shores), box, std::move(outline), level->level_m, level->color});
   }
   index_ = SpatialIndex(boxes);
 }

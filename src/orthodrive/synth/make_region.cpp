@@ -104,7 +104,8 @@ class ObjectCells {
 
  private:
   [[nodiscard]] Box2 box_of(int number) const {
-    const double size = region_.plan.size_m, x = number % count_ * cell_m, y = number / count_ * cell_m;
+    const auto column = number % count_, row = number / count_;
+    const double size = region_.plan.size_m, x = column * cell_m, y = row * cell_m;
     return {x, y, std::min(size, x + cell_m), std::min(size, y + cell_m)};
   }
   [[nodiscard]] SiteObjects place(int number) const {

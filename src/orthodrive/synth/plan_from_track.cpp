@@ -94,6 +94,7 @@ void lay_carriageway(const std::vector<TrackRow>& rows, Vec2 world_from_local, P
     return edge.curve.s_m[i / stations] * (1.0 - part) + edge.curve.s_m[i / stations + 1] * part;
   };
   std::vector<Vec2> middle;
+  middle.reserve(stations * rows.size());
   for (std::size_t i = 0; i < stations * rows.size(); ++i)
     middle.push_back(
         (evaluate(left_edge, station_s(left_edge, i)).p + evaluate(right_edge, station_s(right_edge, i)).p) * 0.5);

@@ -99,6 +99,7 @@ int surface_priority(const SitePlan& plan, std::size_t road) {
 
 std::vector<Stretch> whole_roads(const SitePlan& plan) {
   std::vector<Stretch> stretches;
+  stretches.reserve(plan.roads.size());
   for (std::size_t r = 0; r < plan.roads.size(); ++r) stretches.push_back({r, 0.0, plan.roads[r].alignment.length_m});
   return stretches;
 }

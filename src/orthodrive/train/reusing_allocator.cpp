@@ -71,6 +71,7 @@ c10::DataPtr take_block(std::size_t size) {
 /// Without `override`: allocate() is const up to libtorch 2.2 and not after it, copy_data() exists since then only.
 class ReusingAllocator final : public c10::Allocator {
  public:
+  // NOLINTNEXTLINE(modernize-use-override): of libtorch up to 2.2 only
   c10::DataPtr allocate(std::size_t size) const { return take_block(size); }
   c10::DataPtr allocate(std::size_t size) { return take_block(size); }
   void copy_data(void* to, const void* from, std::size_t size) const { std::memcpy(to, from, size); }

@@ -27,9 +27,9 @@ std::vector<CrfTrial> try_weights(std::span<const CrfSample> samples, int classe
     const DenseCrf crf({.width = sample.rgb.width, .height = sample.rgb.height, .rgb = sample.rgb.data.data()}, widths);
     const auto n = static_cast<std::size_t>(classes);
     vertices[s] = static_cast<double>(crf.appearance().vertices());
-    pixels[s] = static_cast<double>(sample.unary.size() / n);
     std::vector<float> marginals(sample.unary.size());
     std::vector<std::uint8_t> labels(marginals.size() / n);
+    pixels[s] = static_cast<double>(labels.size());
     for (std::size_t w = 0; w < weights.size(); ++w) {
       crf.infer(potts_crf(classes, weights[w].appearance, weights[w].smoothness, iterations), sample.unary, marginals);
       for (std::size_t i = 0; i < labels.size(); ++i) {

@@ -179,6 +179,7 @@ struct Trainer::State {
 
   /// The CRF as learned so far.
   [[nodiscard]] CrfModel current_crf() const {
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): only who learns one asks
     CrfModel crf = options.crf->start;
     const auto scale = [](std::vector<float>& weights, const at::Tensor& log_ratio) {
       const at::Tensor ratio = log_ratio.detach().to(at::kCPU).exp().contiguous();

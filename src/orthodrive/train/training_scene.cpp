@@ -91,7 +91,8 @@ Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vect
         add_sample(scene.rgb, place.origin + place.right * (col + right) + place.down * (row + down), sum);
       }
       for (int c = 0; c < 3; ++c)
-        crop.rgb.at(col, row, c) = static_cast<std::uint8_t>(sum[static_cast<std::size_t>(c)] * share + 0.5F);
+        crop.rgb.at(col, row, c) =
+            static_cast<std::uint8_t>(std::floor(sum[static_cast<std::size_t>(c)] * share + 0.5F));
       const Vec2 p = place.origin + place.right * col + place.down * row;
       const auto x = static_cast<std::int64_t>(std::floor(p.x)), y = static_cast<std::int64_t>(std::floor(p.y));
       const auto from_col = mirrored_index(x, scene.rgb.width), from_row = mirrored_index(y, scene.rgb.height);
