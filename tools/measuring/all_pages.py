@@ -102,6 +102,20 @@ PARTS = [  # a part stands behind those whose files it takes
         [["every-road", "--files", *pairs({n.capitalize(): ROADS[n] for n in ("kvarnbyn", "pardubice")})]],
         "what `site` made",
     ),
+    Part(
+        "traffic",
+        "traffic",
+        90,
+        [
+            [
+                "traffic",
+                *pairs({n.capitalize(): BUILT / n for n in ("village", "kvarnbyn", "pardubice")}),
+                "--osm",
+                f"Kvarnbyn={ROOT.parent / 'shared/data/kvarnbyn/roads.osm'}",
+            ]
+        ],
+        TOWNS + ", what `site` made, SUMO",
+    ),
     Part("vehicle", "vehicle", 1, [["vehicle"]]),
     Part("lap", "lap", 3, [["lap"]], TOWNS),
     Part(

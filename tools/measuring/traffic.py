@@ -19,6 +19,7 @@ import os
 import pathlib
 import sqlite3
 import subprocess
+import sys
 from xml.etree import ElementTree
 
 from measuring.common import (
@@ -46,7 +47,7 @@ ENVIRONMENT = {**os.environ, "SUMO_HOME": "/usr/share/sumo"}
 
 def named_path(text):
     name, _, file = text.partition("=")
-    if not pathlib.Path(file).exists():
+    if not file:
         raise ValueError
     return name, pathlib.Path(file).resolve()
 
@@ -214,6 +215,9 @@ def events_table(sites):
 
 
 def run(args):
+    for name, file in args.site + args.osm:
+        if not file.exists():
+            sys.exit(f"traffic: {name}: {file} is not there")
     numbers = read_results(STORE, {"sites": {}, "osm": {}})
     if not args.table:
         for kind, given, measure_one in (("sites", args.site, measure_site), ("osm", args.osm, measure_osm)):
