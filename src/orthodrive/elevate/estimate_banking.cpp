@@ -138,7 +138,8 @@ void add_anchors(const StationChain& chain, const BankedMeeting& meeting, const 
   const Vec2 left = left_normal(at.along);
   if (&chain == &main) {  // also where it meets itself
     if (meeting.plane)
-      anchors.push_back({meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
+      anchors.push_back(
+          {meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
     return;
   }
   const Vec2 plane =

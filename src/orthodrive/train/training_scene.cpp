@@ -87,7 +87,8 @@ Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vect
     for (int col = 0; col < size; ++col) {
       std::array<float, 3> sum{};
       for (int i = 0; i < samples * samples; ++i) {
-        const double right = (i % samples + 0.5) / samples - 0.5, down = (i / samples + 0.5) / samples - 0.5;
+        const int across = i % samples, along = i / samples;
+        const double right = (across + 0.5) / samples - 0.5, down = (along + 0.5) / samples - 0.5;
         add_sample(scene.rgb, place.origin + place.right * (col + right) + place.down * (row + down), sum);
       }
       for (int c = 0; c < 3; ++c)
