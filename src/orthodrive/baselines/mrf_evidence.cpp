@@ -147,6 +147,7 @@ std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const Mr
       });
 
   std::vector<CrossSums> sums;
+  sums.reserve(strips.size());
   for (std::size_t i = 0; i < strips.size(); ++i)
     sums.push_back(finish(strips[i], raw[i], samples_along(strips[i], source.frame.gsd_m), options, source.edge_cap_m));
   return sums;
