@@ -39,12 +39,12 @@ TEST(RaiseSidewalks, kerbs_fade_out_before_junctions_and_are_low_at_crosswalks) 
   const Road& road = road_with_sidewalk(map, "1");
   EXPECT_FALSE(walk_height(road, true, 20.0));
   EXPECT_EQ(walk_height(road, false, 0.0), 0.0);
-  EXPECT_NEAR(*walk_height(road, false, 0.5), 0.5 * kerb_m, 1e-9);
+  EXPECT_NEAR(walk_height(road, false, 0.5).value_or(-1.0), 0.5 * kerb_m, 1e-9);
   EXPECT_EQ(walk_height(road, false, 20.0), kerb_m);
-  EXPECT_NEAR(*walk_height(road, false, 50.0), lowered_kerb_m, 1e-9);
-  EXPECT_NEAR(*walk_height(road, false, 48.1), lowered_kerb_m, 1e-9);
-  EXPECT_NEAR(*walk_height(road, false, 47.0), kerb_m, 1e-9);
-  EXPECT_NEAR(*walk_height(road, false, road.length - 1.0), kerb_m, 1e-3);
+  EXPECT_NEAR(walk_height(road, false, 50.0).value_or(-1.0), lowered_kerb_m, 1e-9);
+  EXPECT_NEAR(walk_height(road, false, 48.1).value_or(-1.0), lowered_kerb_m, 1e-9);
+  EXPECT_NEAR(walk_height(road, false, 47.0).value_or(-1.0), kerb_m, 1e-9);
+  EXPECT_NEAR(walk_height(road, false, road.length - 1.0).value_or(-1.0), kerb_m, 1e-3);
   EXPECT_EQ(walk_height(road, false, road.length), 0.0);
 }
 
@@ -62,9 +62,9 @@ TEST(RaiseSidewalks, joints_of_roads_have_one_height) {
   roads.paths[1].sidewalk = Sides::both;
   roads.signs = {{7, NodeSignKind::zebra, 0}};
   map = build_network(roads).map;
-  EXPECT_NEAR(*walk_height(road_with_sidewalk(map, "1"), true, 60.0),
-              *walk_height(road_with_sidewalk(map, "2"), false, 60.0), 1e-3);
-  EXPECT_NEAR(*walk_height(road_with_sidewalk(map, "1"), true, 60.0), lowered_kerb_m, 1e-3);
+  EXPECT_NEAR(walk_height(road_with_sidewalk(map, "1"), true, 60.0).value_or(-1.0),
+              walk_height(road_with_sidewalk(map, "2"), false, 60.0).value_or(-1.0), 1e-3);
+  EXPECT_NEAR(walk_height(road_with_sidewalk(map, "1"), true, 60.0).value_or(-1.0), lowered_kerb_m, 1e-3);
 }
 
 TEST(RaiseSidewalks, what_cars_drive_on_is_the_same_with_and_without_them) {

@@ -280,12 +280,15 @@ TEST(JunctionGrids, boundary_is_closed_and_has_a_joint_for_each_arm) {
 TEST(JunctionGrids, kerbs_have_the_heights_of_the_surface) {
   const RoadMap map = build_network(small_town()).map;
   const std::vector<io::JunctionBoundary> boundaries = io::junction_boundaries(map);
-  for (std::size_t i = 0; i < boundaries.size(); ++i)
+  for (std::size_t i = 0; i < boundaries.size(); ++i) {
+    const auto& surface = map.junctions[i].surface;
+    ASSERT_TRUE(surface.has_value());
     for (const Road& kerb : boundaries[i].kerbs)
       for (const roadquery::PlanElement& piece : kerb.plan) {
         const roadquery::SurfacePoint p = roadquery::surface_point(kerb, piece.s, 0.0);
-        EXPECT_NEAR(p.z, roadquery::evaluate(*map.junctions[i].surface, p.x, p.y).z, 1e-6);
+        EXPECT_NEAR(p.z, roadquery::evaluate(*surface, p.x, p.y).z, 1e-6);
       }
+  }
 }
 
 TEST(RoundTrip, other_versions_are_refused) {

@@ -278,7 +278,7 @@ TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
 }
 
 TEST(NewSite, what_cannot_be_says_what_to_do) {
-  const auto message = [](NewSiteOptions options) {
+  const auto message = [](const NewSiteOptions& options) {
     try {
       (void)new_site(catalogue(), options);
     } catch (const OptionError& error) {

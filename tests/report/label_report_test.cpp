@@ -92,11 +92,11 @@ TEST(MergeTableFile, shipped_one_takes_38_classes_to_32) {
   double road_false_positive = 0.0;
   for (const toml::node& node : *file["class"].as_array()) {
     const toml::table& c = *node.as_table();
-    const ClassInfo info{.name = *c["name"].value<std::string>(),
-                         .role = role_from_string(*c["role"].value<std::string>()),
-                         .cost_false_positive = *c["cost_false_positive"].value<double>(),
-                         .cost_false_negative = *c["cost_false_negative"].value<double>()};
-    EXPECT_EQ(c["color"].value<std::string>()->size(), 7u);
+    const ClassInfo info{.name = c["name"].value<std::string>().value_or(""),
+                         .role = role_from_string(c["role"].value<std::string>().value_or("")),
+                         .cost_false_positive = c["cost_false_positive"].value<double>().value_or(-1.0),
+                         .cost_false_negative = c["cost_false_negative"].value<double>().value_or(-1.0)};
+    EXPECT_EQ(c["color"].value<std::string>().value_or("").size(), 7u);
     EXPECT_EQ(info.role == Role::road, info.cost_false_positive == 1.0) << info.name;
     EXPECT_EQ(info.role == Role::road || info.role == Role::maybe_road, info.cost_false_negative < 1.0) << info.name;
     road_false_positive += info.cost_false_positive;

@@ -152,6 +152,7 @@ inline double shared_m2(const std::map<TileAddress, std::vector<scene::Structure
   for (const auto& [address, faces] : tiles)
     for (const scene::StructureFace& face : faces) {
       std::vector<Vec2> corners;
+      corners.reserve(std::size(face.corners));
       for (const Vec3& c : face.corners) corners.push_back(Vec2{c.x, c.y} - from);
       Ring ring = convex_hull(std::move(corners));
       if (ring.size() >= 3 && signed_area_m2(ring) > 1e-6) covered.push_back({std::move(ring), {}});

@@ -57,8 +57,8 @@ TEST(ChangeColors, gain_gamma_and_contrast_follow_their_formula) {
   RgbRaster photo = uniform_photo(4, {64, 64, 64});
   change_colors(photo, {.contrast = 0.8, .gamma = 1.5, .gain = {1.0, 0.5, 8.0}});
   const double value = std::pow(0.8 * (64 / 255.0 - 0.5) + 0.5, 1.5);
-  EXPECT_EQ(first_pixel(photo),
-            (std::array{static_cast<int>(255 * value + 0.5), static_cast<int>(127.5 * value + 0.5), 255}));
+  EXPECT_EQ(first_pixel(photo), (std::array{static_cast<int>(std::lround(255 * value)),
+                                            static_cast<int>(std::lround(127.5 * value)), 255}));
 }
 
 TEST(FadeGreen, takes_what_green_has_above_the_others) {
