@@ -292,7 +292,7 @@ try {
   );
   if (part !== 'rest') await checkFirstPicture(context, server.url);
   await page.goto(`${server.url}?play=0`);
-  if (part !== 'rest') await checkFlyCamera(page);
+  await checkFlyCamera(page); // waits until all is there, too
   if (part !== 'first') await checkWhatComesAfter(context, page, server.url);
   assert.deepEqual(problems, [], 'the page reports errors');
   if (part !== 'first') await checkWhatGoesWrong(context, server.url);
