@@ -594,6 +594,7 @@ struct FullSite {
   FullSite() {
     const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
     std::vector<RoadShape> shapes;
+    shapes.reserve(12);
     for (int i = 0; i < 12; ++i)
       shapes.push_back({.start = {west_m + 60.0 * i, south_m + 40.0 * i},
                         .heading_rad = 0.5 * i,
