@@ -122,6 +122,9 @@ struct RoadNetwork {
 /// motorway ... service, track, raceway; not footway, cycleway, path, steps, pedestrian.
 [[nodiscard]] bool is_drivable(const std::string& highway);
 
+/// The same road, its nodes in the other order: what is told of sides and directions changes sides.
+void turn_round(RoadPath& path);
+
 [[nodiscard]] Polyline centerline(const RoadPath& path);
 /// Ring of the carriageway polygon of a path: half the width to each side.
 [[nodiscard]] Ring surface_ring(const RoadPath& path);

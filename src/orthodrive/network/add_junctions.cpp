@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "orthodrive/network/connecting_line.hpp"
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/fit_plan.hpp"
 #include "orthodrive/network/lanes.hpp"
@@ -87,11 +88,12 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   return gate;
 }
 
-double turn_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(in, out)); }
+double angle_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(in, out)); }
 
 /// A piece of way between two vertices of a joined junction.
 struct InnerWay {
   VertexIndex vertex0, vertex1;
+  Leg leg;                               ///< from vertex0 to vertex1
   std::int64_t way0 = 0, way1 = 0;       ///< OSM's, at either end
   bool forward = true, backward = true;  ///< whether one may drive from vertex0 to vertex1, and back
   Vec2 direction0, direction1;           ///< at either end, of who drives from vertex0 to vertex1
@@ -99,7 +101,8 @@ struct InnerWay {
 InnerWay inner_way(const NetworkPlan& plan, const Stretch& stretch) {
   const Chain& chain = plan.topology.chains[stretch.chain];
   const ChainGeometry& geometry = plan.geometry[stretch.chain];
-  InnerWay inner{.vertex0 = stretch.vertex0, .vertex1 = stretch.vertex1};
+  InnerWay inner{
+      .vertex0 = stretch.vertex0, .vertex1 = stretch.vertex1, .leg = {stretch.chain, stretch.s0, stretch.s1}};
   const auto place = [&](double s) { return pose_at(geometry.plan, std::clamp(s, stretch.s0, stretch.s1)).p; };
   inner.direction0 = normalized(place(stretch.s0 + inner_look_m) - place(stretch.s0));
   inner.direction1 = normalized(place(stretch.s1) - place(stretch.s1 - inner_look_m));
@@ -148,9 +151,10 @@ struct Arrival {
   Vec2 direction;                ///< in which one drives
   const InnerWay* on = nullptr;  ///< null: by the road that one comes from
   bool turned = false;           ///< one had to turn round on the way
+  std::vector<Leg> legs;         ///< the inner ways that one has come
 };
 
-bool turns_round(Vec2 in, Vec2 out) { return std::abs(turn_between(in, out)) > max_turn_rad; }
+bool turns_round(Vec2 in, Vec2 out) { return std::abs(angle_between(in, out)) > max_turn_rad; }
 
 /// Where one can drive to from a road's end on the inner ways of a joined junction. First what needs no turning round.
 std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
@@ -158,14 +162,18 @@ std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Re
   std::vector<Arrival> arrivals{start};
   for (const bool round : {false, true})
     for (std::size_t next = 0; next < arrivals.size(); ++next) {
-      const Arrival as_index = arrivals[next];
+      const Arrival here = arrivals[next];
       const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Vec2 into, Arrival there) {
-        if (!allowed || from != as_index.vertex || as_index.on == there.on) return;
-        if (restrictions.forbid(as_index.vertex, as_index.way, first_way)) return;
-        there.turned = as_index.turned || turns_round(as_index.direction, into);
+        if (!allowed || from != here.vertex || here.on == there.on) return;
+        if (restrictions.forbid(here.vertex, here.way, first_way)) return;
+        there.turned = here.turned || turns_round(here.direction, into);
         const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
         if (there.turned && !round) return;
-        if (std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
+        if (std::ranges::any_of(arrivals, known)) return;
+        const bool back = there.vertex == there.on->vertex0;
+        there.legs = here.legs;
+        there.legs.push_back(back ? Leg{there.on->leg.chain, there.on->leg.s1, there.on->leg.s0} : there.on->leg);
+        arrivals.push_back(there);
       };
       for (const InnerWay& w : inside) {
         drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w});
@@ -180,7 +188,8 @@ struct Movement {
   int from = 0, to = 0;  ///< indices of ends
   double turn_rad = 0.0;
   std::size_t first_in = 0, count_in = 0, first_out = 0, count_out = 0;
-  bool turned = false;  ///< only by turning round inside the junction
+  bool turned = false;    ///< only by turning round inside the junction
+  std::vector<Leg> legs;  ///< inner ways between the vertices of both ends
 };
 
 /// The lanes that arrows give a turn: from the first to the last that shows it. `bits`: what the turn may be called.
@@ -197,10 +206,13 @@ bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool m
 /// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes, and others
 /// the lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that
 /// none shows takes its lanes, too.
-void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, const Gate& out,
+void choose_lanes(Movement& m, const Movement& main_way, std::size_t surplus, const Gate& in, const Gate& out,
                   DrivingSide driving_side) {
+  const bool main = &m == &main_way;
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
-  const bool left = m.turn_rad > 0.0, inwards = left != (driving_side == DrivingSide::left);
+  const bool left = m.turn_rad > 0.0;
+  // Who leaves a ring to the outside may turn inwards, too, but less than the ring does.
+  const bool inwards = (m.turn_rad > (main ? 0.0 : main_way.turn_rad)) != (driving_side == DrivingSide::left);
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
   const unsigned side = left ? turn_left : turn_right;
   const unsigned bits = main && straight ? unsigned{turn_through} : straight ? (side | turn_through) : side;
@@ -242,19 +254,23 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions
       arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from]), in[from].pose.direction});
   for (std::size_t to = 0; to < ends.size(); ++to) {
     bool reached = false, turned = true;
-    for (const Arrival& as_index : arrivals) {
-      if (as_index.vertex != ends[to].vertex || restrictions.forbid(as_index.vertex, as_index.way, way_of(ends[to])))
+    std::vector<Leg> legs;  // of the first that comes there without turning round
+    for (const Arrival& arrival : arrivals) {
+      if (arrival.vertex != ends[to].vertex || restrictions.forbid(arrival.vertex, arrival.way, way_of(ends[to])))
         continue;
+      const bool round = arrival.turned || (arrival.on && turns_round(arrival.direction, out[to].pose.direction));
+      if (!reached || (turned && !round)) legs = arrival.legs;
       reached = true;
-      turned = turned && (as_index.turned || (as_index.on && turns_round(as_index.direction, out[to].pose.direction)));
+      turned = turned && round;
     }
     if (out[to].lanes.empty() || !reached) continue;
     // Back into the same road: only round a circuit, not round a block's inner drive.
     if (ends[to].stretch == ends[from].stretch && static_cast<int>(to) != ends[from].through) continue;
     movements.push_back({.from = static_cast<int>(from),
                          .to = static_cast<int>(to),
-                         .turn_rad = turn_between(in[from].pose.direction, out[to].pose.direction),
-                         .turned = turned});
+                         .turn_rad = angle_between(in[from].pose.direction, out[to].pose.direction),
+                         .turned = turned,
+                         .legs = std::move(legs)});
   }
   if (movements.empty()) return movements;
   const auto bend = [&](const Movement& m) {
@@ -377,11 +393,9 @@ Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const J
           reverse_profile(result.superelevation, length, -1.0), reverse_profile(result.crown, length)};
 }
 
-Geometry turn_geometry(const Gate& in, const Gate& out) {
+Geometry turn_geometry(std::vector<roadquery::PlanElement> line, const Gate& in, const Gate& out) {
   Geometry result;
-  // Differences of UTM coordinates lose digits: work relative to the start.
-  result.plan = turn({{}, in.pose.direction}, {out.pose.p - in.pose.p, out.pose.direction});
-  for (roadquery::PlanElement& e : result.plan) e.x += in.pose.p.x, e.y += in.pose.p.y;
+  result.plan = std::move(line);
   const double length = plan_length(result.plan);
   result.elevation = {hermite(0.0, length, in.z_m, out.z_m, in.gradient, out.gradient)};
   if (in.banking != 0.0 || out.banking != 0.0 || in.banking_rate != 0.0 || out.banking_rate != 0.0)
@@ -454,7 +468,7 @@ void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& 
     const Gate from = moved_to(in_before, t0, at_in, incoming, from_end, true),
                to = moved_to(out_before, t1, at_out, outgoing, to_end, false);
     if (distance(from.pose.p, to.pose.p) < shortest_turn_m) continue;
-    Geometry turned = turn_geometry(from, to);
+    Geometry turned = turn_geometry(turn_from(from.pose, to.pose), from, to);
     const double room = least_room(turned.plan, driven(at_in, in_before, t0), driven(at_out, out_before, t1));
     if (room <= best) continue;
     best = room, in = from, out = to, geometry = std::move(turned);
@@ -526,6 +540,19 @@ int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::ve
   return is_beside_ground && !goes_on_inside ? 0 : level;
 }
 
+/// The way of a movement along the chains, from cut to cut.
+std::vector<Leg> legs_of(const NetworkPlan& plan, const JunctionEnd& from, const JunctionEnd& to, const Movement& m) {
+  const auto node_s = [&](const JunctionEnd& end) {
+    const Stretch& stretch = plan.junctions.stretches[end.stretch];
+    return end.at_begin ? stretch.s0 : stretch.s1;
+  };
+  const auto chain_of = [&](const JunctionEnd& end) { return plan.junctions.stretches[end.stretch].chain; };
+  std::vector<Leg> legs{{chain_of(from), from.chain_s, node_s(from)}};
+  legs.insert(legs.end(), m.legs.begin(), m.legs.end());
+  legs.push_back({chain_of(to), node_s(to), to.chain_s});
+  return legs;
+}
+
 Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends,
                      const Movement& m, int level, Gate in, Gate out) {
   const JunctionEnd &from = ends[as_index(m.from)], &to = ends[as_index(m.to)];
@@ -539,7 +566,10 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   road.tunnel = level < 0 && incoming.tunnel && outgoing.tunnel;
   if (incoming.osm_id == outgoing.osm_id) road.osm_id = incoming.osm_id;
   const bool through = m.to == from.through;
-  Geometry geometry = through ? chain_through(plan, from, to) : turn_geometry(in, out);
+  Geometry geometry =
+      through
+          ? chain_through(plan, from, to)
+          : turn_geometry(connecting_line(plan.geometry, legs_of(plan, from, to, m), road.speed_limit_mps), in, out);
   if (!through) unfold(m, incoming, from.at_end, outgoing, to.at_end, plan.options.driving_side, in, out, geometry);
   road.plan = std::move(geometry.plan);
   road.elevation = std::move(geometry.elevation);
@@ -612,13 +642,14 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
       std::vector<Movement> on = movements_from(plan, restrictions, inside[j], ends[j], in, out, from, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[as_index(on[0].to)].lanes.size();
-        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[as_index(on[i].to)],
+        choose_lanes(on[i], on[0], lanes - std::min(lanes, lanes_on), in[from], out[as_index(on[i].to)],
                      plan.options.driving_side);
         movements.push_back(on[i]);
       }
     }
+    const Movement straight_on;
     for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
-      choose_lanes(m, false, 0, in[as_index(m.from)], out[as_index(m.to)], plan.options.driving_side);
+      choose_lanes(m, straight_on, 0, in[as_index(m.from)], out[as_index(m.to)], plan.options.driving_side);
       movements.push_back(m);
     }
     report_left_out(plan, ends[j], in, movements, sharp, findings);

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "orthodrive/network/archived_network.hpp"
+#include "orthodrive/network/carriageways.hpp"
 #include "orthodrive/network/crossing_nodes.hpp"
 #include "orthodrive/network/crosswalks.hpp"
 #include "orthodrive/network/ease_arms.hpp"
@@ -85,11 +87,11 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  RoadNetwork roads = assume_roundabouts(
-      close_roundabouts(
-          with_lane_room(join_crossings(with_heights(input, result.findings), result.findings), result.findings),
-          result.findings),
-      options.driving_side, result.findings);
+  RoadNetwork roads = join_crossings(with_heights(input, result.findings), result.findings);
+  roads = close_roundabouts(std::move(roads), result.findings);
+  roads = assume_roundabouts(std::move(roads), options.driving_side, result.findings);
+  if (!has_oneway_tags(input)) roads = assume_carriageways(std::move(roads), options.driving_side, result.findings);
+  roads = with_lane_room(std::move(roads), result.findings);
   Topology topology = build_topology(roads, options.driving_side, result.findings);
   smooth_rings(topology.ring_of_piece, roads, topology);
   const PieceLines pieces = join_pieces(roads, topology, result.findings);

@@ -137,18 +137,6 @@ class CircleFinder {
   Table<PieceIndex, bool> used_;
 };
 
-void turn_round(RoadPath& path) {
-  const double length = path.nodes.back().s_m;
-  std::reverse(path.nodes.begin(), path.nodes.end());
-  for (RoadNode& node : path.nodes) {
-    node.s_m = length - node.s_m;
-    node.offset_m = -node.offset_m, node.gradient = -node.gradient, node.banking = -node.banking;
-  }
-  const auto mirrored = [](Sides s) { return s == Sides::left ? Sides::right : s == Sides::right ? Sides::left : s; };
-  path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
-  std::swap(path.turn_forward, path.turn_backward);
-}
-
 }  // namespace
 
 RoadNetwork assume_roundabouts(RoadNetwork roads, DrivingSide driving_side, Findings& findings) {

@@ -4,23 +4,30 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace orthodrive::network {
 namespace {
 
-constexpr double corner_m = 2.0;  // room for the curve of the corner beyond the carriageways
+// Room beyond the carriageways for the curve of the corner, and beside who waits there for the rear of who turns in.
+constexpr double corner_m = 4.0;
 constexpr double joint_taper_m =
     10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
 constexpr double fork_reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double stretch_step_m = 0.5;
 constexpr double narrowest_carriageway_m = 1.5;  // no carriageway is narrower
-constexpr double clear_m = 3.0;                  // free of the others for this long counts as having left them
-constexpr double fork_part_m = 15.0;    // roads of two junctions that lie on each other have parted within this: a fork
-constexpr double min_rest_m = 1.0;      // what is left of a road between two junctions
-constexpr double join_share = 0.65;     // junctions join when less than this share of the wished cuts fits between them
+// Roads that leave side by side have parted when so much of their widths has: they make room for each other from there
+// on (room_beside.hpp).
+constexpr double parted_share = 0.6;
+const double side_by_side_sine = std::sin(15.0 * std::numbers::pi / 180.0);
+constexpr double clear_m = 3.0;       // free of the others for this long counts as having left them
+constexpr double fork_part_m = 15.0;  // roads of two junctions that lie on each other have parted within this: a fork
+constexpr double min_rest_m = 1.0;    // what is left of a road between two junctions
+constexpr double join_rest_m =
+    7.5;  // junctions join when less is left between them: a car and its distance to the next
 constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
 constexpr double widest_twin_m = 60.0;  // the same where two roads that would lie on each other are all that is between
-constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
+constexpr double roundabout_join_m = 4.0, ring_rest_m = 1.0;  // the ring of a roundabout stays a ring where it can
 
 std::vector<Stretch> cut_at_junctions(const Topology& topology, const ChainGeometries& geometry) {
   std::vector<Stretch> stretches;
@@ -81,27 +88,44 @@ ArmLine sample_arm(const ChainGeometries& geometry, const Stretch& stretch, bool
   return line;
 }
 
-bool covers(const ArmLine& other, Vec2 p) {
+/// Whether the other carriageway reaches p, a place of this arm that goes `along` there, `share` of half its width off
+/// its axis. Without a direction: however the two lie to each other.
+bool covers(const ArmLine& other, Vec2 p, Vec2 along = {}, double share = 0.0) {
   for (std::size_t i = 1; i < other.center.size(); ++i) {
     const Vec2 a = other.center[i - 1], d = other.center[i] - a;
     const double n2 = dot(d, d), t = n2 > 0.0 ? std::clamp(dot(p - a, d) / n2, 0.0, 1.0) : 0.0;
     const Vec2 off = p - (a + d * t);
-    const double half = other.half_width_m[i - 1] + (other.half_width_m[i] - other.half_width_m[i - 1]) * t;
+    double half = other.half_width_m[i - 1] + (other.half_width_m[i] - other.half_width_m[i - 1]) * t;
+    if (along != Vec2{} && std::abs(cross(along, d)) < side_by_side_sine * std::sqrt(n2))
+      half *= share <= parted_share ? parted_share : 0.0;
     if (dot(off, off) < half * half) return true;
   }
   return false;
 }
 
-/// Whether the other carriageway reaches into the cross section i of an arm. Not only its edges count: a narrow branch
-/// begins in the middle of a wide road.
-bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
+/// Calls `covered` with places across an arm and their share of half its width. Not only its edges count: a narrow
+/// branch begins in the middle of a wide road.
+template <typename F>
+bool any_across(const ArmLine& arm, std::size_t i, const F& covered) {
   const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * arm.half_width_m[i] / narrowest_carriageway_m)));
   for (int k = 0; k <= steps; ++k)
-    if (covers(other, arm.center[i] + arm.across[i] * (2.0 * k / steps - 1.0))) return true;
+    if (const double share = 2.0 * k / steps - 1.0; covered(arm.center[i] + arm.across[i] * share, std::abs(share)))
+      return true;
   return false;
 }
 
-/// Distance from its own vertex at which an arm has left all others.
+/// Whether the other carriageway reaches into the cross section i of an arm.
+bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
+  return any_across(arm, i, [&](Vec2 p, double) { return covers(other, p); });
+}
+
+/// The same, but roads side by side may overlap by what they can give each other.
+bool crowds(const ArmLine& arm, std::size_t i, const ArmLine& other) {
+  const Vec2 along = normalized(left_normal(arm.across[i]));
+  return any_across(arm, i, [&](Vec2 p, double share) { return covers(other, p, along, share); });
+}
+
+/// Distance from its own vertex at which an arm has left all others, and the corner.
 double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
   const ArmLine& arm = arms[self];
   double covered_until = 0.0;
@@ -109,12 +133,12 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
     const double d = static_cast<double>(i) * stretch_step_m;
     if (d > covered_until + clear_m || d > fork_reach_m) break;
     for (std::size_t other = 0; other < arms.size(); ++other)
-      if (other != self && meets(arm, i, arms[other])) {
+      if (other != self && crowds(arm, i, arms[other])) {
         covered_until = d;
         break;
       }
   }
-  return covered_until;
+  return covered_until + corner_m;
 }
 
 /// The part of an arm that its road has, up to part_m of it.
@@ -201,10 +225,9 @@ class JunctionPlanner {
         lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[junction[i].stretch];
-        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1 ? 0.0
-                                                                  : junction.size() == 2
-                                                                      ? joint_taper_m
-                                                                      : clear_distance_m(lines, i) + corner_m;
+        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1   ? 0.0
+                                                                  : junction.size() == 2 ? joint_taper_m
+                                                                                         : clear_distance_m(lines, i);
       }
     }
   }
@@ -216,7 +239,7 @@ class JunctionPlanner {
     auto operator<=>(const Gap&) const = default;
   };
 
-  /// Between junctions so close that the cuts do not fit, or of which `is_reason` says so. Rings stay rings.
+  /// Between junctions of which `is_reason` says so, by what their cuts leave between them.
   template <typename IsReason>
   std::vector<Gap> gaps_where(const IsReason& is_reason) {
     std::vector<Gap> gaps;
@@ -230,11 +253,12 @@ class JunctionPlanner {
     return gaps;
   }
   std::vector<Gap> narrow_gaps() {
-    return gaps_where([&](std::size_t i, double share) {
+    return gaps_where([&](std::size_t i, double) {
       const Stretch& stretch = plan_.stretches[i];
+      const double rest_m = stretch.s1 - stretch.s0 - stretch.trim0_m - stretch.trim1_m;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch))
-        return stretch.s1 - stretch.s0 < roundabout_join_m;
-      return share < join_share;
+        return stretch.s1 - stretch.s0 < roundabout_join_m || rest_m < ring_rest_m;
+      return rest_m < join_rest_m;
     });
   }
   std::vector<Gap> gaps_beside_forks() {
