@@ -383,6 +383,29 @@ TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
   EXPECT_EQ(open.map.roads.size(), 1u);
 }
 
+TEST(Roundabout, of_two_lanes_is_left_from_the_outer_one) {
+  RoadNetwork roads = ring_with_arms(true);
+  for (RoadPath& path : roads.paths)
+    if (path.roundabout) {
+      path.lanes = 2;
+      for (RoadNode& node : path.nodes) node.width_m = 8.0;
+    }
+  const NetworkResult result = build_network(roads);
+  expect_sound(result.map);
+  int exits = 0;
+  for (const roadquery::Junction& junction : result.map.junctions)
+    for (const roadquery::Connection& connection : junction.connections) {
+      const roadquery::Road& road = *road_by_id(result.map, connection.connecting_road);
+      const roadquery::Road &from = *road_by_id(result.map, connection.incoming_road),
+                            &to = *road_by_id(result.map, road.successor.id);
+      if (from.osm_id != to.osm_id && std::stoi(from.osm_id) < 20 && std::stoi(to.osm_id) >= 20) {
+        ++exits;
+        for (const roadquery::LaneLink& link : connection.lane_links) EXPECT_EQ(link.from, -2) << "the outer lane";
+      }
+    }
+  EXPECT_EQ(exits, 4);
+}
+
 TEST(Roundabout, of_two_way_roads_is_assumed_where_it_is_a_circle_with_arms) {
   RoadNetwork roads = ring_with_arms(false);
   for (RoadPath& path : roads.paths) path.oneway = Oneway::no;

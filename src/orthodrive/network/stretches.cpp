@@ -234,28 +234,26 @@ class JunctionPlanner {
 
   /// A stretch over which two junctions join.
   struct Gap {
-    double share = 0.0;  ///< of the wished cuts that fits
+    double rest_m = 0.0;  ///< what the wished cuts leave of it
     std::size_t stretch = 0;
     auto operator<=>(const Gap&) const = default;
   };
 
-  /// Between junctions of which `is_reason` says so, by what their cuts leave between them.
+  /// Those of which `is_reason` says so.
   template <typename IsReason>
   std::vector<Gap> gaps_where(const IsReason& is_reason) {
     std::vector<Gap> gaps;
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
       if (stretch.inside || !stretch.vertex0 || !stretch.vertex1) continue;
-      const double room = stretch.s1 - stretch.s0 - min_rest_m, wished = stretch.trim0_m + stretch.trim1_m;
-      const double share = wished > 0.0 ? room / wished : INFINITY;
-      if (is_reason(i, share)) gaps.push_back({share, i});
+      const double rest_m = stretch.s1 - stretch.s0 - stretch.trim0_m - stretch.trim1_m;
+      if (is_reason(i, rest_m)) gaps.push_back({rest_m, i});
     }
     return gaps;
   }
   std::vector<Gap> narrow_gaps() {
-    return gaps_where([&](std::size_t i, double) {
+    return gaps_where([&](std::size_t i, double rest_m) {
       const Stretch& stretch = plan_.stretches[i];
-      const double rest_m = stretch.s1 - stretch.s0 - stretch.trim0_m - stretch.trim1_m;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch))
         return stretch.s1 - stretch.s0 < roundabout_join_m || rest_m < ring_rest_m;
       return rest_m < join_rest_m;
@@ -272,7 +270,7 @@ class JunctionPlanner {
   /// Of two roads between the same two junctions only a metre each would be left, and the metres lie on each other.
   std::vector<Gap> gaps_of_twins() {
     std::map<std::pair<VertexIndex, VertexIndex>, std::vector<Gap>> between;
-    for (const Gap& gap : gaps_where([](std::size_t, double share) { return share < 1.0; })) {
+    for (const Gap& gap : gaps_where([](std::size_t, double rest_m) { return rest_m < min_rest_m; })) {
       const Stretch& stretch = plan_.stretches[gap.stretch];
       const auto ends = std::minmax({group(stretch.vertex0), group(stretch.vertex1)});
       if (ends.first != ends.second && !on_roundabout(topology_, geometry_[stretch.chain], stretch))

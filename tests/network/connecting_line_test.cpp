@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines of connecting roads.
+
+#include "orthodrive/network/connecting_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "network_support.hpp"
+
+namespace orthodrive::network_test {
+namespace {
+
+using network::ChainGeometries;
+using network::ChainIndex;
+using network::connecting_line;
+using network::Leg;
+using network::pose_at;
+
+/// A straight chain.
+network::ChainGeometry straight(Vec2 from, Vec2 to) {
+  const Vec2 d = to - from;
+  network::ChainGeometry chain;
+  chain.length_m = length(d);
+  chain.plan.push_back({0.0, from.x, from.y, std::atan2(d.y, d.x), chain.length_m, roadquery::Line{}});
+  return chain;
+}
+
+/// One to the east up to the origin, one on from there to the north, 200 m each.
+ChainGeometries corner() {
+  ChainGeometries chains;
+  chains.push_back(straight({-200, 0}, {0, 0}));
+  chains.push_back(straight({0, 0}, {0, 200}));
+  return chains;
+}
+
+double sharpest(const std::vector<roadquery::PlanElement>& line) {
+  double most = 0.0;
+  for (const roadquery::PlanElement& e : line)
+    for (const double s : {0.0, 0.5 * e.length, e.length})
+      most = std::max(most, std::abs(roadquery::evaluate(e, s).curvature));
+  return most;
+}
+
+void expect_smooth(const std::vector<roadquery::PlanElement>& line) {
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const roadquery::PlanPoint end = roadquery::evaluate(line[i], line[i].length);
+    EXPECT_NEAR(line[i].s + line[i].length, line[i + 1].s, 1e-9);
+    EXPECT_LT(std::hypot(end.x - line[i + 1].x, end.y - line[i + 1].y), 1e-6);
+    EXPECT_LT(std::abs(std::remainder(end.hdg - line[i + 1].hdg, 2.0 * std::numbers::pi)), 1e-6);
+  }
+}
+
+void expect_ends(const std::vector<roadquery::PlanElement>& line, Vec2 from, Vec2 to) {
+  EXPECT_LT(distance(pose_at(line, 0.0).p, from), 1e-6);
+  EXPECT_LT(distance(pose_at(line, network::plan_length(line)).p, to), 1e-6);
+  expect_smooth(line);
+}
+
+TEST(ConnectingLine, between_near_cuts_is_one_turn) {
+  const auto line = connecting_line(corner(), {{ChainIndex(0), 190, 200}, {ChainIndex(1), 0, 10}}, 14.0);
+  expect_ends(line, {-10, 0}, {0, 10});
+  ASSERT_EQ(line.size(), 1u);
+  EXPECT_NEAR(sharpest(line), 0.1, 1e-6);  // a quarter of a circle of 10 m
+}
+
+TEST(ConnectingLine, keeps_to_the_roads_where_the_cuts_are_far) {
+  const auto line = connecting_line(corner(), {{ChainIndex(0), 140, 200}, {ChainIndex(1), 0, 50}}, 14.0);
+  expect_ends(line, {-60, 0}, {0, 50});
+  EXPECT_NEAR(network::plan_length(line), 45.0 + 35.0 + 15.0 * std::numbers::pi / 2, 1e-6);
+  EXPECT_NEAR(sharpest(line), 1.0 / 15.0, 1e-6);
+  for (double s = 0.0; s < 45.0; s += 1.0) EXPECT_NEAR(pose_at(line, s).p.y, 0.0, 1e-9);
+}
+
+TEST(ConnectingLine, drives_chains_against_their_direction) {
+  const auto line = connecting_line(corner(), {{ChainIndex(1), 50, 0}, {ChainIndex(0), 200, 140}}, 14.0);
+  expect_ends(line, {0, 50}, {-60, 0});
+  EXPECT_NEAR(sharpest(line), 1.0 / 15.0, 1e-6);
+}
+
+TEST(ConnectingLine, takes_more_room_for_sharp_turns_and_for_fast_ones) {
+  ChainGeometries chains = corner();
+  const double back = 140.0 * std::numbers::pi / 180.0, fork = 8.0 * std::numbers::pi / 180.0;
+  chains.push_back(straight({0, 0}, Vec2{std::cos(back), std::sin(back)} * 200.0));
+  chains.push_back(straight({0, 0}, Vec2{std::cos(fork), std::sin(fork)} * 200.0));
+  EXPECT_LT(sharpest(connecting_line(chains, {{ChainIndex(0), 120, 200}, {ChainIndex(2), 0, 80}}, 14.0)), 1.0 / 11.9);
+  const double v = 36.0;
+  EXPECT_LT(v * v * sharpest(connecting_line(chains, {{ChainIndex(0), 120, 200}, {ChainIndex(3), 0, 80}}, v)), 1.51);
+}
+
+TEST(ConnectingLine, follows_a_way_inside_the_junction_but_not_a_short_one) {
+  ChainGeometries chains;
+  for (const double inner_m : {60.0, 12.0}) {
+    const std::size_t first = chains.size();
+    chains.push_back(straight({-200, 0}, {0, 0}));
+    chains.push_back(straight({0, 0}, {0, inner_m}));
+    chains.push_back(straight({0, inner_m}, {200, inner_m}));
+    const auto line = connecting_line(
+        chains, {{ChainIndex(first), 160, 200}, {ChainIndex(first + 1), 0, inner_m}, {ChainIndex(first + 2), 0, 40}},
+        8.0);
+    expect_ends(line, {-40, 0}, {40, inner_m});
+    double nearest = INFINITY;
+    for (double s = 0.0; s < network::plan_length(line); s += 0.5)
+      nearest = std::min(nearest, distance(pose_at(line, s).p, {0, 0.5 * inner_m}));
+    EXPECT_LT(nearest, 0.3);
+    EXPECT_LT(sharpest(line), 1.0 / 7.0);
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive::network_test
