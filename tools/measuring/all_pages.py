@@ -180,6 +180,7 @@ PARTS = [  # a part stands behind those whose files it takes
     Part("fetch", "fetch", 3, [["fetch"]]),
     Part("faults", "faults", 30, [["faults"]], "root, libfaketime"),
     Part("start", "start", 1, [["start"]]),
+    Part("clone", "clone", 75, [["clone"]]),
     Part("packaging", "packaging", 15, [["packaging"]], "root, debootstrap, the net"),
     Part("fuzz", "fuzz", 375, [["fuzz", "--forget", "all"]], "clang"),
 ]
