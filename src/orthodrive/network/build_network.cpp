@@ -112,7 +112,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
   }
 
-  const JunctionPlan junctions = plan_junctions(topology, geometry);
+  const JunctionPlan junctions = plan_junctions(roads, topology, geometry);
   std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
   ease_arms(roads, topology, junctions, cuts, geometry);
   end_before_roads(roads, topology, junctions, geometry, cuts);

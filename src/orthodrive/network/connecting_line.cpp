@@ -10,6 +10,9 @@ namespace {
 
 constexpr double turn_reach_m = 15.0;    // a right angle on a radius of 15 m
 constexpr double least_radius_m = 12.0;  // a car turns with 6 m, a lorry with 12 m
+// The line is straight where it leaves and enters a road, as long as a turn of 6 m keeps room: there who turns in
+// passes who waits.
+constexpr double straight_m = 4.0, least_reach_m = 6.0;
 constexpr double shallow_turn_rad = 35.0 * std::numbers::pi / 180.0;
 constexpr double calm_acceleration_mps2 = 1.5;
 constexpr double shortest_leg_m = 20.0;  // between two turns
@@ -63,7 +66,9 @@ std::vector<roadquery::PlanElement> connecting_line(const ChainGeometries& geome
   for (std::size_t i = 0; i + 1 < legs.size(); ++i) {
     const double reach = reach_m(geometry, legs[i], legs[i + 1], speed_mps);
     const auto room = [&](std::size_t k) {
-      return k == 0 || k + 1 == legs.size() ? length_m(legs[k]) : 0.5 * length_m(legs[k]);
+      const double length = length_m(legs[k]);
+      if (k > 0 && k + 1 < legs.size()) return 0.5 * length;
+      return std::max(length - straight_m, std::min(length, least_reach_m));
     };
     keep1[i] = length_m(legs[i]) - std::min(reach, room(i));
     keep0[i + 1] = std::min(reach, room(i + 1));

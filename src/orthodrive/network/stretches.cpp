@@ -9,8 +9,9 @@
 namespace orthodrive::network {
 namespace {
 
-// Room beyond the carriageways for the curve of the corner, and beside who waits there for the rear of who turns in.
-constexpr double corner_m = 4.0;
+// Room beyond the carriageways for the curve of the corner. Where cars meet in lanes narrower than calm_lane_m, who
+// turns in has to be straight again beside who waits there: that takes longer.
+constexpr double corner_m = 4.0, corner_per_narrow_m = 4.0, calm_lane_m = 2.75;
 constexpr double joint_taper_m =
     10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
 constexpr double fork_reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
@@ -67,6 +68,7 @@ void shorten_cuts(Stretch& stretch) {
 
 /// Sampled from the junction outwards.
 struct ArmLine {
+  bool two_way = false;
   std::vector<Vec2> center, across;  ///< across: to the left edge
   std::vector<double> half_width_m;
 };
@@ -138,7 +140,9 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
         break;
       }
   }
-  return covered_until + corner_m;
+  const std::size_t there = std::min(static_cast<std::size_t>(covered_until / stretch_step_m), arm.center.size() - 1);
+  const double narrow_m = arm.two_way ? std::max(0.0, calm_lane_m - arm.half_width_m[there]) : 0.0;
+  return covered_until + corner_m + corner_per_narrow_m * narrow_m;
 }
 
 /// The part of an arm that its road has, up to part_m of it.
@@ -166,8 +170,9 @@ bool forks(const ArmLine& a, const ArmLine& b) {
 
 class JunctionPlanner {
  public:
-  JunctionPlanner(const Topology& topology, const ChainGeometries& geometry)
-      : topology_(topology),
+  JunctionPlanner(const RoadNetwork& roads, const Topology& topology, const ChainGeometries& geometry)
+      : roads_(roads),
+        topology_(topology),
         geometry_(geometry),
         group_(topology.vertices.size()),
         places_(topology.vertices.size()),
@@ -203,6 +208,14 @@ class JunctionPlanner {
     return vertex;
   }
 
+  /// Whether cars meet on a stretch where it begins or ends.
+  [[nodiscard]] bool is_two_way(const Stretch& stretch, bool at_s1) const {
+    const std::size_t k =
+        piece_at(geometry_[stretch.chain], at_s1 ? stretch.s1 - stretch_step_m : stretch.s0 + stretch_step_m);
+    const PieceIndex piece = topology_.chains[stretch.chain].pieces[k].piece;
+    return roads_.paths[topology_.pieces[piece].path].oneway == Oneway::no;
+  }
+
   void cut_back() {
     arms_ = Table<VertexIndex, std::vector<Arm>>(topology_.vertices.size());  // by the first vertex of the group
     Table<VertexIndex, std::vector<std::size_t>> inner(topology_.vertices.size());
@@ -219,8 +232,11 @@ class JunctionPlanner {
       const std::vector<Arm>& junction = arms_[v];
       std::vector<ArmLine> lines;
       lines.reserve(junction.size() + inner[v].size());
-      for (const Arm& arm : junction)
-        lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, fork_reach_m + clear_m));
+      for (const Arm& arm : junction) {
+        const Stretch& stretch = plan_.stretches[arm.stretch];
+        lines.push_back(sample_arm(geometry_, stretch, arm.at_s1, fork_reach_m + clear_m));
+        lines.back().two_way = is_two_way(stretch, arm.at_s1);
+      }
       for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
         lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
       for (std::size_t i = 0; i < junction.size(); ++i) {
@@ -360,6 +376,7 @@ class JunctionPlanner {
     }
   }
 
+  const RoadNetwork& roads_;
   const Topology& topology_;
   const ChainGeometries& geometry_;
   Table<VertexIndex, VertexIndex> group_;         ///< union-find: the lowest vertex of the joined junction
@@ -370,8 +387,8 @@ class JunctionPlanner {
 
 }  // namespace
 
-JunctionPlan plan_junctions(const Topology& topology, const ChainGeometries& geometry) {
-  return JunctionPlanner(topology, geometry).run();
+JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology, const ChainGeometries& geometry) {
+  return JunctionPlanner(roads, topology, geometry).run();
 }
 
 }  // namespace orthodrive::network
