@@ -211,8 +211,10 @@ void choose_lanes(Movement& m, const Movement& main_way, std::size_t surplus, co
   const bool main = &m == &main_way;
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
   const bool left = m.turn_rad > 0.0;
-  // Who leaves a ring to the outside may turn inwards, too, but less than the ring does.
-  const bool inwards = (m.turn_rad > (main ? 0.0 : main_way.turn_rad)) != (driving_side == DrivingSide::left);
+  // Who leaves a ring to the outside may turn inwards, too, but less than the ring does. Who turns round does it
+  // inwards.
+  const bool inwards = std::abs(m.turn_rad) > max_turn_rad ||
+                       (m.turn_rad > (main ? 0.0 : main_way.turn_rad)) != (driving_side == DrivingSide::left);
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
   const unsigned side = left ? turn_left : turn_right;
   const unsigned bits = main && straight ? unsigned{turn_through} : straight ? (side | turn_through) : side;

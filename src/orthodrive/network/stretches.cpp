@@ -28,7 +28,7 @@ constexpr double join_rest_m =
     7.5;  // junctions join when less is left between them: a car and its distance to the next
 constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
 constexpr double widest_twin_m = 60.0;  // the same where two roads that would lie on each other are all that is between
-constexpr double roundabout_join_m = 4.0, ring_rest_m = 1.0;  // the ring of a roundabout stays a ring where it can
+constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::vector<Stretch> cut_at_junctions(const Topology& topology, const ChainGeometries& geometry) {
   std::vector<Stretch> stretches;
@@ -271,7 +271,7 @@ class JunctionPlanner {
     return gaps_where([&](std::size_t i, double rest_m) {
       const Stretch& stretch = plan_.stretches[i];
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch))
-        return stretch.s1 - stretch.s0 < roundabout_join_m || rest_m < ring_rest_m;
+        return stretch.s1 - stretch.s0 < roundabout_join_m;
       return rest_m < join_rest_m;
     });
   }
@@ -361,7 +361,7 @@ class JunctionPlanner {
       if (dead_end ? arms_[group(stretch.vertex0 ? stretch.vertex0 : stretch.vertex1)].size() < 3
                    : group(stretch.vertex0) != group(stretch.vertex1))
         continue;
-      if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
+      if (stretch.vertex0 == stretch.vertex1 && on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
       stretch.inside = stretch.s1 - stretch.s0 - min_rest_m < stretch.trim0_m + stretch.trim1_m;
     }
   }
