@@ -59,10 +59,17 @@ void expect_ends(const std::vector<roadquery::PlanElement>& line, Vec2 from, Vec
 }
 
 TEST(ConnectingLine, between_near_cuts_is_one_turn) {
-  const auto line = connecting_line(corner(), {{ChainIndex(0), 190, 200}, {ChainIndex(1), 0, 10}}, 14.0);
-  expect_ends(line, {-10, 0}, {0, 10});
+  const auto line = connecting_line(corner(), {{ChainIndex(0), 194, 200}, {ChainIndex(1), 0, 6}}, 14.0);
+  expect_ends(line, {-6, 0}, {0, 6});
   ASSERT_EQ(line.size(), 1u);
-  EXPECT_NEAR(sharpest(line), 0.1, 1e-6);  // a quarter of a circle of 10 m
+  EXPECT_NEAR(sharpest(line), 1.0 / 6.0, 1e-6);  // a quarter of a circle
+}
+
+TEST(ConnectingLine, is_straight_where_it_leaves_and_enters_a_road) {
+  const auto line = connecting_line(corner(), {{ChainIndex(0), 188, 200}, {ChainIndex(1), 0, 12}}, 14.0);
+  expect_ends(line, {-12, 0}, {0, 12});
+  EXPECT_NEAR(network::plan_length(line), 4.0 + 8.0 * std::numbers::pi / 2 + 4.0, 1e-6);
+  EXPECT_NEAR(pose_at(line, 3.9).p.y, 0.0, 1e-9);
 }
 
 TEST(ConnectingLine, keeps_to_the_roads_where_the_cuts_are_far) {

@@ -523,7 +523,7 @@ int level_of(const Road& road) { return road.layer != 0 ? road.layer : road.brid
 /// All of a junction lies on one level, for it has one surface. Where some of its roads lie on the ground, a bridge (or
 /// tunnel) begins at the end of its own road, unless it goes on through the junction or much of it lies inside.
 int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends) {
-  constexpr double most_inside_m = 6.0;
+  constexpr double most_inside_m = 10.0;
   const auto level_at = [&](const JunctionEnd& end) { return level_of(map.roads[as_index(end.road)]); };
   int level = 0;
   bool is_beside_ground = false, goes_on_inside = false;

@@ -17,8 +17,8 @@ constexpr double joint_taper_m =
 constexpr double fork_reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double stretch_step_m = 0.5;
 constexpr double narrowest_carriageway_m = 1.5;  // no carriageway is narrower
-// Roads that leave side by side have parted when so much of their widths has: they make room for each other from there
-// on (room_beside.hpp).
+// The carriageways of one road, into the junction and out of it, have parted when so much of their widths has: they
+// share no traffic and make room for each other from there on (room_beside.hpp). Slip roads part for good.
 constexpr double parted_share = 0.6;
 const double side_by_side_sine = std::sin(15.0 * std::numbers::pi / 180.0);
 constexpr double clear_m = 3.0;       // free of the others for this long counts as having left them
@@ -68,7 +68,7 @@ void shorten_cuts(Stretch& stretch) {
 
 /// Sampled from the junction outwards.
 struct ArmLine {
-  bool two_way = false;
+  int way = 0;                       ///< where one may drive: 0 = both ways, 1 = out of the junction, -1 = into it
   std::vector<Vec2> center, across;  ///< across: to the left edge
   std::vector<double> half_width_m;
 };
@@ -121,8 +121,9 @@ bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
   return any_across(arm, i, [&](Vec2 p, double) { return covers(other, p); });
 }
 
-/// The same, but roads side by side may overlap by what they can give each other.
+/// The same, but carriageways of one road may overlap by what they can give each other.
 bool crowds(const ArmLine& arm, std::size_t i, const ArmLine& other) {
+  if (arm.way * other.way >= 0) return meets(arm, i, other);
   const Vec2 along = normalized(left_normal(arm.across[i]));
   return any_across(arm, i, [&](Vec2 p, double share) { return covers(other, p, along, share); });
 }
@@ -141,7 +142,7 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
       }
   }
   const std::size_t there = std::min(static_cast<std::size_t>(covered_until / stretch_step_m), arm.center.size() - 1);
-  const double narrow_m = arm.two_way ? std::max(0.0, calm_lane_m - arm.half_width_m[there]) : 0.0;
+  const double narrow_m = arm.way == 0 ? std::max(0.0, calm_lane_m - arm.half_width_m[there]) : 0.0;
   return covered_until + corner_m + corner_per_narrow_m * narrow_m;
 }
 
@@ -208,12 +209,12 @@ class JunctionPlanner {
     return vertex;
   }
 
-  /// Whether cars meet on a stretch where it begins or ends.
-  [[nodiscard]] bool is_two_way(const Stretch& stretch, bool at_s1) const {
-    const std::size_t k =
-        piece_at(geometry_[stretch.chain], at_s1 ? stretch.s1 - stretch_step_m : stretch.s0 + stretch_step_m);
-    const PieceIndex piece = topology_.chains[stretch.chain].pieces[k].piece;
-    return roads_.paths[topology_.pieces[piece].path].oneway == Oneway::no;
+  /// ArmLine::way of a stretch where it begins or ends.
+  [[nodiscard]] int way_of(const Stretch& stretch, bool at_s1) const {
+    const double s = at_s1 ? stretch.s1 - stretch_step_m : stretch.s0 + stretch_step_m;
+    const DirectedPiece part = topology_.chains[stretch.chain].pieces[piece_at(geometry_[stretch.chain], s)];
+    if (roads_.paths[topology_.pieces[part.piece].path].oneway == Oneway::no) return 0;
+    return part.reversed == at_s1 ? 1 : -1;
   }
 
   void cut_back() {
@@ -235,7 +236,7 @@ class JunctionPlanner {
       for (const Arm& arm : junction) {
         const Stretch& stretch = plan_.stretches[arm.stretch];
         lines.push_back(sample_arm(geometry_, stretch, arm.at_s1, fork_reach_m + clear_m));
-        lines.back().two_way = is_two_way(stretch, arm.at_s1);
+        lines.back().way = way_of(stretch, arm.at_s1);
       }
       for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
         lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
