@@ -193,7 +193,8 @@ TEST(BuildNetwork, crossing_of_two_ways_cut_at_the_junction) {
   EXPECT_EQ(connecting_roads(result.map).size(), 12u);
   int straight = 0;
   for (const Road* road : connecting_roads(result.map))
-    straight += std::holds_alternative<roadquery::Line>(road->plan[0].shape) ? 1 : 0;
+    straight += std::ranges::all_of(
+        road->plan, [](const roadquery::PlanElement& e) { return std::holds_alternative<roadquery::Line>(e.shape); });
   EXPECT_EQ(straight, 4);
 }
 
@@ -453,32 +454,36 @@ roadquery::SurfacePoint border_of(const roadquery::Road& road, bool at_end, int 
 }
 
 TEST(BuildNetwork, LanesOfTightTurnsBesideShortRoadsDoNotFoldAndMeetTheirLanes) {
-  // Two side roads leave a banked main road that climbs backwards, so near to each other that 1 m of it stays between.
+  // Two side roads leave a banked main road that climbs backwards, so near to each other that 8 m or little more of it
+  // stay between.
   const auto height = [](Vec2 p) { return 0.06 * p.x + 0.0005 * p.x * p.x + 0.04 * p.y; };
   const auto bank = [](double) { return 0.05; };
-  const roadquery::RoadMap map =
-      build_network(
-          network_of({make_path({{-60, 0}, {0, 0}, {22, 0}, {80, 0}}, {1, 2, 3, 4},
-                                {.osm_id = 1, .highway = "tertiary", .width_m = 12, .height = height, .banking = bank}),
-                      make_path({{0, 0}, {33, -50}}, {2, 5}, {.osm_id = 2, .height = height}),
-                      make_path({{22, 0}, {-11, 50}}, {3, 6}, {.osm_id = 3, .height = height})}))
-          .map;
   int beside_short = 0, moved = 0;
-  for (const roadquery::Road* road : connecting_roads(map)) {
-    EXPECT_GT(least_room(*road), 0.0) << "road " << road->id;
-    for (const bool at_end : {false, true}) {
-      const roadquery::RoadLink& link = at_end ? road->successor : road->predecessor;
-      const roadquery::Road& other = *road_by_id(map, link.id);
-      const bool other_end = link.contact == roadquery::ContactPoint::end;
-      const roadquery::Lane& lane = road->sections.front().right.front();
-      const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
-      ASSERT_TRUE(linked.has_value()) << "road " << road->id;
-      const roadquery::SurfacePoint a = border_of(*road, at_end, -1), b = border_of(other, other_end, *linked);
-      EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 1e-6) << "road " << road->id << " and " << other.id;
-      if (other.length > 4.0) continue;
-      const roadquery::PlanPoint p = roadquery::reference_point(*road, at_end ? road->length : 0.0),
-                                 q = roadquery::reference_point(other, other_end ? other.length : 0.0);
-      ++beside_short, moved += std::hypot(p.x - q.x, p.y - q.y) > 0.1 ? 1 : 0;
+  for (double gap = 24.0; gap < 44.0; gap += 2.0) {
+    const roadquery::RoadMap map =
+        build_network(
+            network_of(
+                {make_path({{-60, 0}, {0, 0}, {gap, 0}, {90, 0}}, {1, 2, 3, 4},
+                           {.osm_id = 1, .highway = "tertiary", .width_m = 12, .height = height, .banking = bank}),
+                 make_path({{0, 0}, {33, -50}}, {2, 5}, {.osm_id = 2, .height = height}),
+                 make_path({{gap, 0}, {gap - 33, 50}}, {3, 6}, {.osm_id = 3, .height = height})}))
+            .map;
+    for (const roadquery::Road* road : connecting_roads(map)) {
+      EXPECT_GT(least_room(*road), 0.0) << "road " << road->id;
+      for (const bool at_end : {false, true}) {
+        const roadquery::RoadLink& link = at_end ? road->successor : road->predecessor;
+        const roadquery::Road& other = *road_by_id(map, link.id);
+        const bool other_end = link.contact == roadquery::ContactPoint::end;
+        const roadquery::Lane& lane = road->sections.front().right.front();
+        const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
+        ASSERT_TRUE(linked.has_value()) << "road " << road->id;
+        const roadquery::SurfacePoint a = border_of(*road, at_end, -1), b = border_of(other, other_end, *linked);
+        EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 1e-6) << "road " << road->id << " and " << other.id;
+        if (other.length > 9.0) continue;
+        const roadquery::PlanPoint p = roadquery::reference_point(*road, at_end ? road->length : 0.0),
+                                   q = roadquery::reference_point(other, other_end ? other.length : 0.0);
+        ++beside_short, moved += std::hypot(p.x - q.x, p.y - q.y) > 0.1 ? 1 : 0;
+      }
     }
   }
   EXPECT_GT(beside_short, 0) << "the case that is tested";
@@ -581,10 +586,31 @@ TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
   EXPECT_EQ(connecting_roads(result.map).size(), 12u);
 }
 
-TEST(BuildNetwork, short_road_between_two_junctions_is_kept) {
-  const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {8, 0}, {60, 0}}, {1, 2, 3, 4}),
-                                                         make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
-                                                         make_path({{8, 0}, {8, -50}}, {3, 6}, {.osm_id = 3})}));
+TEST(BuildNetwork, road_between_two_junctions_is_kept_where_a_car_has_room) {
+  // Cuts of 3 + 4 m at both ends.
+  const auto built = [](double gap) {
+    return build_network(network_of({make_path({{-60, 0}, {0, 0}, {gap, 0}, {90, 0}}, {1, 2, 3, 4}),
+                                     make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
+                                     make_path({{gap, 0}, {gap, -50}}, {3, 6}, {.osm_id = 3})}));
+  };
+  const auto shortest_m = [](const NetworkResult& result) {
+    double shortest = 1e9;
+    for (const Road* road : plain_roads(result.map)) shortest = std::min(shortest, road->length);
+    return shortest;
+  };
+  const NetworkResult joined = built(20.0), kept = built(21.0);
+  expect_sound(joined.map), expect_sound(kept.map);
+  EXPECT_EQ(joined.map.junctions.size(), 1u);
+  EXPECT_GT(shortest_m(joined), 40.0);
+  EXPECT_EQ(kept.map.junctions.size(), 2u);
+  EXPECT_NEAR(shortest_m(kept), 8.0, 0.51);  // cuts are sampled every half metre
+}
+
+TEST(BuildNetwork, junctions_too_far_apart_to_be_one_leave_a_metre_between_them) {
+  // Side roads of 12 degrees on both sides of the way between them: their cuts want more than its 45 m.
+  const NetworkResult result = build_network(network_of({make_path({{-90, 0}, {0, 0}, {45, 0}, {135, 0}}, {1, 2, 3, 4}),
+                                                         make_path({{0, 0}, {90, 19}}, {2, 5}, {.osm_id = 2}),
+                                                         make_path({{45, 0}, {-45, -19}}, {3, 6}, {.osm_id = 3})}));
   expect_sound(result.map);
   EXPECT_EQ(result.map.junctions.size(), 2u);
   double shortest = 1e9;

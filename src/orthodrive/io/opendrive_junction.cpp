@@ -41,14 +41,21 @@ std::unordered_map<int, std::vector<Arm>> arms_of(const roadquery::RoadMap& map)
 }
 
 /// Whether a place of the ring lies on the end line of an arm. The ring overlaps the arms by 1.5 cm
-/// (docs/junctions.md).
+/// (docs/junctions.md); where a kerb meets the edge of an arm at a small angle its corner lies further off along the
+/// line.
 bool is_on(const JunctionArm& arm, const Point& p) {
-  constexpr double off_m = 0.03;
+  constexpr double off_m = 0.03, beside_m = 0.1;
   if (arm.places.empty()) return false;
   const double dx = p[0] - arm.x, dy = p[1] - arm.y;
   const double in_m = arm.in_x * dx + arm.in_y * dy, left_m = arm.in_x * dy - arm.in_y * dx;
-  return std::abs(in_m) < off_m && left_m > arm.places.front().left_m - off_m &&
-         left_m < arm.places.back().left_m + off_m;
+  return std::abs(in_m) < off_m && left_m > arm.places.front().left_m - beside_m &&
+         left_m < arm.places.back().left_m + beside_m;
+}
+
+/// The left or right edge of an arm at its end, as seen into the junction.
+Point corner_of(const JunctionArm& arm, bool left) {
+  const double left_m = (left ? arm.places.back() : arm.places.front()).left_m;
+  return {arm.x - arm.in_y * left_m, arm.y + arm.in_x * left_m};
 }
 
 constexpr int no_arm = -1;
@@ -103,14 +110,24 @@ void keep_longest(const std::vector<Run>& runs, std::vector<int>& arms) {
   }
 }
 
-Road kerb_of(const JunctionSurface& surface, const Run& run, int junction, int id) {
+/// The places of a run of the ring, from the corner of the arm before to that of the arm behind it.
+std::vector<Point> places_of(const JunctionSurface& surface, const Run& run, const JunctionArm* before,
+                             const JunctionArm* behind) {
+  std::vector<Point> places;
+  for (std::size_t k = 0; k <= run.edges; ++k)
+    places.push_back(surface.boundary[(run.first + k) % surface.boundary.size()]);
+  if (before) places.front() = corner_of(*before, false);
+  if (behind) places.back() = corner_of(*behind, true);
+  return places;
+}
+
+Road kerb_along(const JunctionSurface& surface, const std::vector<Point>& places, int junction, int id) {
   Road road;
   road.id = id;
   road.junction = junction;
-  for (std::size_t k = 0; k < run.edges; ++k) {
-    const std::size_t i = (run.first + k) % surface.boundary.size();
-    const Point &a = surface.boundary[i], &b = surface.boundary[(i + 1) % surface.boundary.size()];
-    const double length = edge_length(surface.boundary, i);
+  for (std::size_t k = 0; k + 1 < places.size(); ++k) {
+    const Point &a = places[k], &b = places[k + 1];
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
     if (!(length > 0.0)) continue;
     const double z = roadquery::evaluate(surface, a[0], a[1]).z;
     const double gradient = (roadquery::evaluate(surface, b[0], b[1]).z - z) / length;
@@ -127,14 +144,21 @@ JunctionBoundary boundary_of(const roadquery::Junction& junction, const std::vec
   std::vector<int> arm_of_edge = arms_of_edges(surface.boundary, arms);
   keep_longest(runs_of(surface.boundary, arm_of_edge), arm_of_edge);
   JunctionBoundary boundary;
-  for (const Run& run : runs_of(surface.boundary, arm_of_edge)) {
+  const std::vector<Run> runs = runs_of(surface.boundary, arm_of_edge);
+  const auto line_of = [&](std::size_t k) {
+    const int arm = runs[k % runs.size()].arm;
+    return arm == no_arm ? nullptr : &arms[static_cast<std::size_t>(arm)].line;
+  };
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const Run& run = runs[k];
     if (run.arm != no_arm) {
       const Arm& arm = arms[static_cast<std::size_t>(run.arm)];
       boundary.segments.push_back({true, arm.road, arm.contact});
       continue;
     }
     const int id = first_id + static_cast<int>(boundary.kerbs.size());
-    boundary.kerbs.push_back(kerb_of(surface, run, junction.id, id));
+    const std::vector<Point> places = places_of(surface, run, line_of(k + runs.size() - 1), line_of(k + 1));
+    boundary.kerbs.push_back(kerb_along(surface, places, junction.id, id));
     boundary.segments.push_back({false, id, ContactPoint::start});
   }
   return boundary;

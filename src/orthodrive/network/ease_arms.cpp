@@ -105,7 +105,7 @@ class MainRoads {
   }
 
  private:
-  static constexpr double beside_m = 3.0;
+  static constexpr double beside_m = 7.5;  // corners are up to 6.8 m long (stretches.hpp)
 
   [[nodiscard]] double beyond_m(const Main& main, Vec2 p) const {
     return surface_at(geometry_[main.chain], main.s, p).beyond_m;
