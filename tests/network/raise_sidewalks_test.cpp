@@ -72,7 +72,7 @@ TEST(RaiseSidewalks, what_cars_drive_on_is_the_same_with_and_without_them) {
   // half a metre off.
   const auto map_of = [](Sides sidewalk) {
     RoadPath a = make_path({{-80, 0}, {0, 0}, {120, 0}}, {1, 9, 2}, {.osm_id = 1, .width_m = 7.0});
-    RoadPath b = make_path({{0, 0}, {60, 12}, {120, 7.9}}, {9, 0, 3}, {.osm_id = 2, .width_m = 6.0});
+    RoadPath b = make_path({{0, 0}, {60, 11}, {120, 7.6}}, {9, 0, 3}, {.osm_id = 2, .width_m = 6.0});
     for (RoadNode& node : a.nodes) node.z_m = 10.0;
     for (RoadNode& node : b.nodes) node.z_m = 10.0 - 0.01 * node.s_m;
     a.sidewalk = b.sidewalk = sidewalk;
