@@ -5,7 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "network_support.hpp"
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "paths.hpp"
 
 namespace orthodrive::network_test {
 namespace {
@@ -104,6 +109,38 @@ TEST(Carriageways, from_whose_end_nothing_would_lead_stay_two_way) {
   EXPECT_EQ(driven(result.paths[1]), "west");
   EXPECT_EQ(driven(result.paths[2]), "both");
   EXPECT_EQ(driven(result.paths[3]), "east");
+}
+
+TEST(Carriageways, of_a_real_town_are_guessed_as_its_tags_say) {
+  const std::filesystem::path osm = paths::in_source("..") / "shared/data/pardubice/roads.osm";
+  if (!std::filesystem::exists(osm)) GTEST_SKIP() << "NOT TESTED: no " << osm;
+  SiteFrame site{{"EPSG:32633"}, {}};
+  const CoordinateTransform from_lonlat({"EPSG:4326"}, site.crs);
+  for (const Vec2 p : {Vec2{15.7, 50.0}, {15.8, 50.0}, {15.8, 50.1}, {15.7, 50.1}})
+    site.area.outer.push_back(from_lonlat.target_from_source(p));
+  const RoadNetwork tagged = io::read_osm_roads(osm, site);
+  RoadNetwork lost = tagged;
+  for (RoadPath& path : lost.paths)
+    if (!path.roundabout) path.oneway = Oneway::no;
+  Findings findings;
+  const RoadNetwork guessed = assume_carriageways(lost, DrivingSide::right, findings);
+  double right_m = 0.0, wrong_way_m = 0.0, two_way_m = 0.0, missed_m = 0.0;
+  for (std::size_t i = 0; i < tagged.paths.size(); ++i) {
+    const RoadPath &truth = tagged.paths[i], &guess = guessed.paths[i];
+    if (truth.roundabout || road_rank(truth.highway) < road_rank("tertiary")) continue;
+    const double length = length_m(centerline(truth));
+    const bool same_way = guess.nodes.front().p == truth.nodes.front().p;
+    if (guess.oneway == Oneway::no)
+      missed_m += truth.oneway == Oneway::no ? 0.0 : length;
+    else if (truth.oneway == Oneway::no)
+      two_way_m += length;
+    else
+      (same_way ? right_m : wrong_way_m) += length;
+  }
+  const double guessed_m = right_m + wrong_way_m + two_way_m;
+  EXPECT_GT(right_m, 10000.0);
+  EXPECT_LT(wrong_way_m + two_way_m, 0.01 * guessed_m) << wrong_way_m << " the wrong way, " << two_way_m << " two-way";
+  EXPECT_LT(missed_m, 0.25 * (right_m + wrong_way_m + missed_m)) << "one-way streets alone cannot be seen";
 }
 
 }  // namespace
