@@ -15,7 +15,6 @@ namespace {
 using network::ChainGeometries;
 using network::ChainIndex;
 using network::connecting_line;
-using network::Leg;
 using network::pose_at;
 
 /// A straight chain.

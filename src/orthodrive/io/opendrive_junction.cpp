@@ -139,8 +139,7 @@ Road kerb_along(const JunctionSurface& surface, const std::vector<Point>& places
   return road;
 }
 
-JunctionBoundary boundary_of(const roadquery::Junction& junction, const std::vector<Arm>& arms, int first_id) {
-  const JunctionSurface& surface = *junction.surface;
+JunctionBoundary boundary_of(int junction, const JunctionSurface& surface, const std::vector<Arm>& arms, int first_id) {
   std::vector<int> arm_of_edge = arms_of_edges(surface.boundary, arms);
   keep_longest(runs_of(surface.boundary, arm_of_edge), arm_of_edge);
   JunctionBoundary boundary;
@@ -158,7 +157,7 @@ JunctionBoundary boundary_of(const roadquery::Junction& junction, const std::vec
     }
     const int id = first_id + static_cast<int>(boundary.kerbs.size());
     const std::vector<Point> places = places_of(surface, run, line_of(k + runs.size() - 1), line_of(k + 1));
-    boundary.kerbs.push_back(kerb_along(surface, places, junction.id, id));
+    boundary.kerbs.push_back(kerb_along(surface, places, junction, id));
     boundary.segments.push_back({false, id, ContactPoint::start});
   }
   return boundary;
@@ -177,7 +176,8 @@ std::vector<JunctionBoundary> junction_boundaries(const roadquery::RoadMap& map)
     JunctionBoundary& boundary = boundaries.emplace_back();
     if (!junction.surface) continue;
     const auto found = arms.find(junction.id);
-    boundary = boundary_of(junction, found == arms.end() ? std::vector<Arm>{} : found->second, next_id);
+    boundary =
+        boundary_of(junction.id, *junction.surface, found == arms.end() ? std::vector<Arm>{} : found->second, next_id);
     next_id += static_cast<int>(boundary.kerbs.size());
   }
   return boundaries;

@@ -159,7 +159,7 @@ bool turns_round(Vec2 in, Vec2 out) { return std::abs(angle_between(in, out)) > 
 /// Where one can drive to from a road's end on the inner ways of a joined junction. First what needs no turning round.
 std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
                                    Arrival start) {
-  std::vector<Arrival> arrivals{start};
+  std::vector<Arrival> arrivals{std::move(start)};
   for (const bool round : {false, true})
     for (std::size_t next = 0; next < arrivals.size(); ++next) {
       const Arrival here = arrivals[next];
