@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -194,14 +195,18 @@ TEST_P(Readers, carla_has_our_lanes_where_they_are_and_linked_as_they_are) {
 /// Towns only: 300 cars are no traffic for a circuit.
 class Traffic : public Readers {};
 
-TEST_P(Traffic, sumo_drives_300_random_trips_without_a_collision_or_a_teleport) {
+TEST_P(Traffic, sumo_drives_random_trips_without_a_collision_or_a_teleport) {
   setenv("SUMO_HOME", "/usr/share/sumo", 1);
   const std::string net = (scratch / "net.xml").string();
   // Without the option SUMO draws curves of its own between the ends of connecting roads.
   const ToolRun made = run_program({"/usr/bin/netconvert", "--opendrive-files", xodr.string(),
                                     "--opendrive.internal-shapes", "true", "--xml-validation", "never", "-o", net});
   ASSERT_EQ(made.exit_code, 0) << made.err.substr(0, 2000);
-  std::string known;  // a defect of Kvarnbyn's network that is not mended yet: about one seed of four collides
+  // Asked are none. On Kvarnbyn, whose map lacks `oneway`, one car in two to three thousand still meets another one
+  // (docs/notes/traffic.md): more than one in 900 trips is a fault that is new.
+  const int most_collisions = std::string(GetParam()) == "kvarnbyn" ? 1 : 0;
+  int collisions = 0;
+  std::string events;
   for (const char* seed : {"1", "2", "3"}) {
     const ToolRun run = run_program({"/usr/bin/python3", (scripts / "sumo_trips.py").string(), net,
                                      (scratch / "trips").string(), "--trips", "300", "--seed", seed});
@@ -209,16 +214,13 @@ TEST_P(Traffic, sumo_drives_300_random_trips_without_a_collision_or_a_teleport) 
     const json result = json::parse(run.out);
     EXPECT_EQ(result.at("trips"), 300) << run.out;
     EXPECT_EQ(result.at("arrived"), 300) << run.out;
-    if (std::string(GetParam()) == "kvarnbyn" && !result.at("events").empty()) {
-      known += "seed " + std::string(seed) + ": " + run.out + "\n";
-      continue;
-    }
-    EXPECT_EQ(result.at("collisions"), 0) << run.out;
     EXPECT_EQ(result.at("teleports"), 0) << run.out;
     EXPECT_EQ(result.at("emergency_brakings"), 0) << run.out;  // one of 1,000 trips at most
+    collisions += result.at("collisions").get<int>();
+    if (!result.at("events").empty()) events += "seed " + std::string(seed) + ": " + run.out + "\n";
   }
-  if (!known.empty())
-    GTEST_SKIP() << "KNOWN DEFECT, to be mended: cars meet in Kvarnbyn (docs/measured/traffic.md)\n" << known;
+  EXPECT_LE(collisions, most_collisions) << events;
+  if (collisions > 0) std::cout << "cars met:\n" << events;
 }
 
 INSTANTIATE_TEST_SUITE_P(Sites, Readers, testing::Values("village", "circuit", "kvarnbyn"),
