@@ -87,7 +87,7 @@ def page(numbers):
                 n["commit"][:7],
             ]
         )
-    machine = next(iter(numbers.values()))["machine"]
+    machine = next(iter(numbers.values()), {"machine": common.machine()})["machine"]
     return f"""# Measured: a clean clone
 
 Method: [testing.md](../testing.md). Written by `tools/measure clone`: a clone of the commit, nothing built, no compiler
