@@ -2,7 +2,7 @@
 # Tests in tiers (docs/testing.md). A tier is a label of ctest: `quick` is what tools/test runs, `full` what tools/test --all
 # runs besides.
 
-# Builds the programs of the quick tier.
+# Builds the programs of the quick tier: those that its commands name.
 add_custom_target(quick_tests DEPENDS orthodrive)
 
 # orthodrive_add_test(NAME N TIER quick|full COMMAND ... [PROPERTIES ...]): add_test with a tier.
@@ -14,6 +14,16 @@ function(orthodrive_add_test)
   add_test(NAME ${A_NAME} COMMAND ${A_COMMAND})
   set_tests_properties(${A_NAME} PROPERTIES LABELS ${A_TIER} ${A_PROPERTIES})
   set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_TIERED ${A_NAME})
+  if(A_TIER STREQUAL quick)
+    string(REGEX MATCHALL "TARGET_FILE:[A-Za-z0-9_-]+" NAMED "${A_COMMAND}")
+    list(TRANSFORM NAMED REPLACE "TARGET_FILE:" "")
+    list(GET A_COMMAND 0 PROGRAM)
+    foreach(TARGET ${PROGRAM} ${NAMED})
+      if(TARGET ${TARGET})
+        add_dependencies(quick_tests ${TARGET})
+      endif()
+    endforeach()
+  endif()
 endfunction()
 
 # Ends the configuration when a test of these folders, or below them, has no tier.
@@ -53,9 +63,6 @@ endfunction()
 # a suite that none of them names. The output of a failure names the case.
 function(orthodrive_register_suites NAME)
   cmake_parse_arguments(A "SUITES" "TIER;TIMEOUT" "FULL;PROPERTIES" ${ARGN})
-  if(A_TIER STREQUAL quick)
-    add_dependencies(quick_tests test_${NAME})
-  endif()
   get_target_property(SOURCES test_${NAME} SOURCES)
   list(FILTER SOURCES INCLUDE REGEX "_test\\.cpp$")
   list(TRANSFORM SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")

@@ -38,7 +38,6 @@ STAMP = re.compile(r"^Measured on commit (.+)\.$", re.MULTILINE)
 # Pages that were not measured anew since pages have one commit: theirs are several, or of a tree with changes.
 # `tools/measure all` measures them; a page that is on one commit is taken off here.
 NOT_MEASURED_ANEW = {
-    "clone",
     "cluster",
     "dense_crf",
     "drive_logs",
