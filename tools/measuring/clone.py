@@ -73,7 +73,7 @@ def measure(names, numbers):
 
 
 def page(numbers):
-    lines = common.header(["command", "asked, min", "minutes", "exit code", "tests", "failed", "load before", "commit"])
+    lines = common.header(["command", "asked, min", "minutes", "exit code", "tests", "failed", "load before"])
     for name, n in numbers.items():
         lines += common.row(
             [
@@ -84,7 +84,6 @@ def page(numbers):
                 "" if n["tests"] is None else n["tests"],
                 "" if n["failed"] is None else n["failed"],
                 n["load"],
-                n["commit"][:7],
             ]
         )
     machine = next(iter(numbers.values()), {"machine": common.machine()})["machine"]
