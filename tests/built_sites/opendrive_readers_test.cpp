@@ -202,8 +202,8 @@ TEST_P(Traffic, sumo_drives_random_trips_without_a_collision_or_a_teleport) {
   const ToolRun made = run_program({"/usr/bin/netconvert", "--opendrive-files", xodr.string(),
                                     "--opendrive.internal-shapes", "true", "--xml-validation", "never", "-o", net});
   ASSERT_EQ(made.exit_code, 0) << made.err.substr(0, 2000);
-  // Asked are none. On Kvarnbyn, whose map lacks `oneway`, one car in two to three thousand still meets another one
-  // (docs/notes/traffic.md): more than one in 900 trips is a fault that is new.
+  // None is asked. On Kvarnbyn, whose map lacks `oneway`, two cars still meet about once in 1,200 trips
+  // (docs/measured/traffic.md): more than one collision in these 900 is a new fault.
   const int most_collisions = std::string(GetParam()) == "kvarnbyn" ? 1 : 0;
   int collisions = 0;
   std::string events;
