@@ -170,14 +170,13 @@ std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Re
         const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
         if (there.turned && !round) return;
         if (std::ranges::any_of(arrivals, known)) return;
-        const bool back = there.vertex == there.on->vertex0;
-        there.legs = here.legs;
-        there.legs.push_back(back ? Leg{there.on->leg.chain, there.on->leg.s1, there.on->leg.s0} : there.on->leg);
+        there.legs.insert(there.legs.begin(), here.legs.begin(), here.legs.end());
         arrivals.push_back(there);
       };
       for (const InnerWay& w : inside) {
-        drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w});
-        drive(w.backward, w.vertex1, w.way1, w.direction1 * -1.0, {w.vertex0, w.way0, w.direction0 * -1.0, &w});
+        drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w, false, {w.leg}});
+        drive(w.backward, w.vertex1, w.way1, w.direction1 * -1.0,
+              {w.vertex0, w.way0, w.direction0 * -1.0, &w, false, {{w.leg.chain, w.leg.s1, w.leg.s0}}});
       }
     }
   return arrivals;
@@ -206,15 +205,13 @@ bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool m
 /// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes, and others
 /// the lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that
 /// none shows takes its lanes, too.
-void choose_lanes(Movement& m, const Movement& main_way, std::size_t surplus, const Gate& in, const Gate& out,
+void choose_lanes(Movement& m, bool main, double main_turn_rad, std::size_t surplus, const Gate& in, const Gate& out,
                   DrivingSide driving_side) {
-  const bool main = &m == &main_way;
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
   const bool left = m.turn_rad > 0.0;
-  // Who leaves a ring to the outside may turn inwards, too, but less than the ring does. Who turns round does it
-  // inwards.
+  // An exit of a ring may bend inwards, too, but less than the ring does. Turning round is done inwards.
   const bool inwards = std::abs(m.turn_rad) > max_turn_rad ||
-                       (m.turn_rad > (main ? 0.0 : main_way.turn_rad)) != (driving_side == DrivingSide::left);
+                       (m.turn_rad > (main ? 0.0 : main_turn_rad)) != (driving_side == DrivingSide::left);
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
   const unsigned side = left ? turn_left : turn_right;
   const unsigned bits = main && straight ? unsigned{turn_through} : straight ? (side | turn_through) : side;
@@ -644,14 +641,13 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
       std::vector<Movement> on = movements_from(plan, restrictions, inside[j], ends[j], in, out, from, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[as_index(on[0].to)].lanes.size();
-        choose_lanes(on[i], on[0], lanes - std::min(lanes, lanes_on), in[from], out[as_index(on[i].to)],
-                     plan.options.driving_side);
+        choose_lanes(on[i], i == 0, on[0].turn_rad, lanes - std::min(lanes, lanes_on), in[from],
+                     out[as_index(on[i].to)], plan.options.driving_side);
         movements.push_back(on[i]);
       }
     }
-    const Movement straight_on;
     for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
-      choose_lanes(m, straight_on, 0, in[as_index(m.from)], out[as_index(m.to)], plan.options.driving_side);
+      choose_lanes(m, false, 0.0, 0, in[as_index(m.from)], out[as_index(m.to)], plan.options.driving_side);
       movements.push_back(m);
     }
     report_left_out(plan, ends[j], in, movements, sharp, findings);

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double turn_reach_m = 15.0;    // a right angle on a radius of 15 m
 constexpr double least_radius_m = 12.0;  // a car turns with 6 m, a lorry with 12 m
-// The line is straight where it leaves and enters a road, as long as a turn of 6 m keeps room: there who turns in
-// passes who waits.
+// The line is straight where it leaves and enters a road, as long as a turn of 6 m keeps room: so a turning car passes
+// one that waits.
 constexpr double straight_m = 4.0, least_reach_m = 6.0;
 constexpr double shallow_turn_rad = 35.0 * std::numbers::pi / 180.0;
 constexpr double calm_acceleration_mps2 = 1.5;

@@ -9,8 +9,8 @@
 namespace orthodrive::network {
 namespace {
 
-// Room beyond the carriageways for the curve of the corner. Where cars meet in lanes narrower than calm_lane_m, who
-// turns in has to be straight again beside who waits there: that takes longer.
+// Room beyond the carriageways for the curve of the corner. Where cars meet in lanes narrower than calm_lane_m, a car
+// that turns in has to be straight again before it passes one that waits: that takes longer.
 constexpr double corner_m = 4.0, corner_per_narrow_m = 4.0, calm_lane_m = 2.75;
 constexpr double joint_taper_m =
     10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
