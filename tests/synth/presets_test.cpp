@@ -82,10 +82,26 @@ struct PlanCase {
 const std::vector<PlanCase> plan_cases{{500.0, 1},  {500.0, 2},  {500.0, 3},  {500.0, 4},
                                        {1000.0, 5}, {1000.0, 6}, {1000.0, 7}, {1200.0, 8}};
 
+/// A plan and its terrain, made once for all that is asked of them.
+struct Planned {
+  SitePlan plan;
+  Terrain terrain;
+};
+const Planned& planned(SitePlan (*make)(double, std::uint64_t), const PlanCase& wanted) {
+  static std::map<std::pair<SitePlan (*)(double, std::uint64_t), std::uint64_t>, Planned> all;
+  const auto [place, is_new] = all.try_emplace({make, wanted.seed});
+  Planned& here = place->second;
+  if (is_new) {
+    here.plan = make(wanted.size_m, wanted.seed);
+    here.terrain = make_terrain(here.plan, wanted.seed);
+  }
+  return here;
+}
+
 class CircuitPlans : public testing::TestWithParam<PlanCase> {
  protected:
-  const SitePlan plan = plan_circuit(GetParam().size_m, GetParam().seed);
-  const Terrain terrain = make_terrain(plan, GetParam().seed);
+  const SitePlan& plan = planned(plan_circuit, GetParam()).plan;
+  const Terrain& terrain = planned(plan_circuit, GetParam()).terrain;
 };
 INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, CircuitPlans, testing::ValuesIn(plan_cases));
 
@@ -96,7 +112,7 @@ TEST_P(CircuitPlans, roads_are_curvature_continuous_and_meet) {
 }
 
 TEST_P(CircuitPlans, track_is_a_closed_raceway_of_two_to_four_kilometres_a_square_kilometre) {
-  const PlannedRoad& track = plan.roads[plan.circuit.value()];
+  const PlannedRoad& track = plan.roads[circuit_of(plan)];
   EXPECT_EQ(track.highway, "raceway");
   EXPECT_TRUE(track.alignment.closed);
   EXPECT_GT(track.alignment.length_m, 2.0 * plan.size_m);
@@ -107,7 +123,7 @@ TEST_P(CircuitPlans, track_is_a_closed_raceway_of_two_to_four_kilometres_a_squar
 
 TEST_P(CircuitPlans, access_road_clears_the_track_and_heights_are_smooth) {
   ASSERT_EQ(plan.bridges.size(), 1u);
-  EXPECT_EQ(plan.bridges[0].under[0].road, *plan.circuit);
+  EXPECT_EQ(plan.bridges[0].under[0].road, circuit_of(plan));
   EXPECT_GT(clearance_m(plan, terrain, plan.bridges[0]), least_clearance_m);
   expect_smooth_heights(plan, terrain, 0.13);
   expect_ties_hold(plan, terrain);
@@ -129,7 +145,7 @@ TEST_P(CircuitPlans, buildings_stand_beside_the_roads) {
 }
 
 TEST_P(CircuitPlans, pit_lane_leaves_and_joins_the_straight_the_way_the_track_runs) {
-  const Alignment &track = plan.roads[*plan.circuit].alignment, &pit = plan.roads[1].alignment;
+  const Alignment &track = plan.roads[circuit_of(plan)].alignment, &pit = plan.roads[1].alignment;
   for (const double s : {0.0, pit.length_m}) {
     const AlignmentPoint q = evaluate(pit, s);
     const Beside b = beside(track, q.p);
@@ -142,8 +158,8 @@ TEST_P(CircuitPlans, pit_lane_leaves_and_joins_the_straight_the_way_the_track_ru
 
 class JunctionPlans : public testing::TestWithParam<PlanCase> {
  protected:
-  const SitePlan plan = plan_junction(GetParam().size_m, GetParam().seed);
-  const Terrain terrain = make_terrain(plan, GetParam().seed);
+  const SitePlan& plan = planned(plan_junction, GetParam()).plan;
+  const Terrain& terrain = planned(plan_junction, GetParam()).terrain;
 };
 INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, JunctionPlans, testing::ValuesIn(plan_cases));
 
@@ -224,7 +240,7 @@ struct SiteCase {
   Preset preset;
   std::uint64_t seed;
 };
-constexpr SynthOptions small{.size_m = 500.0, .gsd_m = 0.5};
+const SynthOptions small{.size_m = 500.0, .gsd_m = 0.5};
 
 class PresetSites : public testing::TestWithParam<SiteCase> {
  protected:

@@ -65,6 +65,7 @@ double sharpest_junction_rad(const SitePlan& plan) {
 /// Every crossing of two lines is a junction or lies under a deck.
 void expect_crossings_known(const SitePlan& plan) {
   std::vector<Polyline> lines;
+  lines.reserve(plan.roads.size());
   for (const PlannedRoad& road : plan.roads) lines.push_back(sample(road.alignment, 1.0));
   const SegmentIndex index(lines);
   const auto meet = [&](std::size_t a, std::size_t b, Vec2 p) {
@@ -254,7 +255,7 @@ SynthSite assembled(const SitePlan& plan, const SynthOptions& options) {
   return site;
 }
 
-constexpr SynthOptions quick_region{.size_m = 2000.0, .gsd_m = 0.8, .seed = 3, .threads = 1, .tile_px = 700};
+const SynthOptions quick_region{.size_m = 2000.0, .gsd_m = 0.8, .seed = 3, .threads = 1, .tile_px = 700};
 const SynthSite& small_region() {
   static const SynthSite site = assembled(plan_region(quick_region.size_m, quick_region.seed), quick_region);
   return site;

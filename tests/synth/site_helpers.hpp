@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include "orthodrive/core/hash.hpp"
@@ -35,6 +36,11 @@ inline std::string fingerprint(const SynthSite& site) {
       for (const double v : {n.p.x, n.p.y, n.s_m, n.offset_m, n.width_m, n.z_m, n.gradient, n.banking}) add(v);
   for (const SynthSurface& surface : site.surfaces) add(surface.visibility);
   return hash_bytes(all);
+}
+
+inline std::size_t circuit_of(const SitePlan& plan) {
+  if (!plan.circuit) throw std::logic_error("the plan has no circuit");
+  return *plan.circuit;
 }
 
 /// Position, heading and curvature agree where elements meet.
