@@ -102,7 +102,7 @@ function(orthodrive_test_program NAME)
   target_include_directories(test_${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   # What a test does itself is little: -O1 takes a quarter less time to compile than -O3.
   # -Wno-dangling-else: in a unity build g++ no longer sees that the macros of gtest are those of a library.
-  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS} -Wno-dangling-else $<$<CONFIG:Release>:-O1>)
+  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS} -Wno-dangling-else ${ORTHODRIVE_COLD})
   target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} orthodrive_test_paths orthodrive_test_main)
   if(NOT NAME STREQUAL core)  # gtest costs seconds a file: one precompiled header serves all tests
     target_precompile_headers(test_${NAME} REUSE_FROM test_core)

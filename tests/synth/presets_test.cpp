@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/model/sample_height.hpp"
@@ -88,14 +89,11 @@ struct Planned {
   Terrain terrain;
 };
 const Planned& planned(SitePlan (*make)(double, std::uint64_t), const PlanCase& wanted) {
-  static std::map<std::pair<SitePlan (*)(double, std::uint64_t), std::uint64_t>, Planned> all;
-  const auto [place, is_new] = all.try_emplace({make, wanted.seed});
-  Planned& here = place->second;
-  if (is_new) {
-    here.plan = make(wanted.size_m, wanted.seed);
-    here.terrain = make_terrain(here.plan, wanted.seed);
-  }
-  return here;
+  static std::map<std::tuple<SitePlan (*)(double, std::uint64_t), double, std::uint64_t>, Planned> all;
+  const std::tuple key{make, wanted.size_m, wanted.seed};
+  if (const auto made = all.find(key); made != all.end()) return made->second;
+  const SitePlan plan = make(wanted.size_m, wanted.seed);
+  return all.emplace(key, Planned{plan, make_terrain(plan, wanted.seed)}).first->second;
 }
 
 class CircuitPlans : public testing::TestWithParam<PlanCase> {
