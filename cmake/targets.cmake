@@ -4,9 +4,12 @@
 # orthodrive_part() instead. APART are files that alone need APART_FLAGS and APART_LIBS. A COLD room takes little of the time of a
 # build of a site: it is compiled in three quarters of the time.
 set(ORTHODRIVE_COLD $<$<CONFIG:Release>:-O1>)
-set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers
-  -Wno-restrict  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
-  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-subobject-linkage>)  # a .cpp that is included looks like a header to g++
+set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  list(APPEND ORTHODRIVE_WARNINGS
+    -Wno-restrict  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
+    $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-subobject-linkage>)  # a .cpp that is included looks like a header to g++
+endif()
 
 function(orthodrive_library NAME)
   cmake_parse_arguments(A "COLD" "PART" "DEPS;LIBS;PART_SOURCES;APART;APART_FLAGS;APART_LIBS" ${ARGN})

@@ -296,7 +296,10 @@ TEST(Crg, bytes_lost_as_newlines_are_put_back) {
   CrgSurface s = test_surface(true, 900);
   // Heights about 2 m whose bytes are 40 0D 0A xx, 40 xx 0D 0A, and pairs over two values.
   const auto of_bits = [](std::uint32_t bits) { return static_cast<double>(std::bit_cast<float>(bits)); };
-  for (double& z : s.grid_m) z = of_bits(0x40010203u + (static_cast<std::uint32_t>(std::abs(z) * 1e6) % 7000u) * 17u);
+  for (double& z : s.grid_m) {
+    const double micrometres = std::isnan(z) ? 0.0 : std::abs(z) * 1e6;
+    z = of_bits(0x40010203u + (static_cast<std::uint32_t>(micrometres) % 7000u) * 17u);
+  }
   s.grid_m[1000] = of_bits(0x400d0a55u), s.grid_m[3001] = of_bits(0x40030d0au), s.grid_m[5002] = of_bits(0x40020d0au);
   io::write_crg(scratch / "whole.crg", s, CrgFormat::krbi);
   std::string bytes = bytes_of(scratch / "whole.crg");

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <random>
 
@@ -156,7 +155,7 @@ TEST(RoadQuery, does_not_allocate) {
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_GT(hits, 1000);
-  auto counted = std::make_unique<int>(1);
+  ::operator delete(::operator new(1));  // of a new-expression the compiler may leave the call out
   EXPECT_GT(test::allocations(), before) << "allocations are counted";
 }
 

@@ -13,7 +13,11 @@ namespace orthodrive {
 namespace {
 
 #define ORTHODRIVE_INLINE [[gnu::always_inline]] inline
+#if defined(__clang__)
+#define ORTHODRIVE_UNROLL _Pragma("clang loop unroll(full)")
+#else
 #define ORTHODRIVE_UNROLL _Pragma("GCC unroll 16")
+#endif
 
 /// L floats; loads and stores need no alignment.
 template <int L>
@@ -21,12 +25,12 @@ struct Lanes;
 template <>
 struct Lanes<8> {
   using Vector = float __attribute__((vector_size(32), may_alias));
-  using Unaligned = float __attribute__((vector_size(32), aligned(4), may_alias));
+  using Unaligned [[gnu::aligned(4), gnu::may_alias]] = float __attribute__((vector_size(32)));
 };
 template <>
 struct Lanes<16> {
   using Vector = float __attribute__((vector_size(64), may_alias));
-  using Unaligned = float __attribute__((vector_size(64), aligned(4), may_alias));
+  using Unaligned [[gnu::aligned(4), gnu::may_alias]] = float __attribute__((vector_size(64)));
 };
 
 template <int L>

@@ -23,14 +23,14 @@ ORTHODRIVE_INLINE Vec8 larger(Vec8 a, Vec8 b) { return a > b ? a : b; }
 
 /// The largest element, in all places.
 ORTHODRIVE_INLINE Vec8 largest(Vec8 v) {
-  v = larger(v, __builtin_shuffle(v, Int8{4, 5, 6, 7, 0, 1, 2, 3}));
-  v = larger(v, __builtin_shuffle(v, Int8{2, 3, 0, 1, 6, 7, 4, 5}));
-  return larger(v, __builtin_shuffle(v, Int8{1, 0, 3, 2, 5, 4, 7, 6}));
+  v = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+  v = larger(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+  return larger(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
 }
 ORTHODRIVE_INLINE Vec8 sum(Vec8 v) {
-  v += __builtin_shuffle(v, Int8{4, 5, 6, 7, 0, 1, 2, 3});
-  v += __builtin_shuffle(v, Int8{2, 3, 0, 1, 6, 7, 4, 5});
-  return v + __builtin_shuffle(v, Int8{1, 0, 3, 2, 5, 4, 7, 6});
+  v += __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+  v += __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+  return v + __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6);
 }
 
 /// exp(x) for x <= 0, relative error 2e-7 (coefficients of Cephes expf, S. Moshier). 0 below -60, so that products with

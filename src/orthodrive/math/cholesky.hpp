@@ -20,7 +20,7 @@ struct SymmetricMatrix {
   }
   /// Of size * (band + 1) numbers: band + 1 a row, the diagonal last.
   [[nodiscard]] static SymmetricMatrix banded(std::vector<double>& rows, std::size_t band) {
-    return {rows.data() + band, rows.size() / (band + 1), band, band};
+    return {rows.empty() ? nullptr : rows.data() + band, rows.size() / (band + 1), band, band};
   }
   [[nodiscard]] double& operator()(std::size_t i, std::size_t k) const { return first[i * stride + k]; }
 };

@@ -69,7 +69,7 @@ std::string source_reason(const std::string& role, const nlohmann::json& before,
   for (const nlohmann::json& file : is) {
     const auto found = hashes.find(file.at("file"));
     if (found == hashes.end()) return fmt::format("source {}: {} is new", role, file.at("file").get<std::string>());
-    if (found->second != file.at("hash"))
+    if (found->second != file.at("hash").get<std::string>())
       return fmt::format("source {}: {} has other content", role, file.at("file").get<std::string>());
   }
   if (is.size() < was.size()) return fmt::format("source {}: {} of {} files are left", role, is.size(), was.size());
