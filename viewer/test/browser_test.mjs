@@ -281,7 +281,8 @@ const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
 const server = await serveSite(tool, siteDir);
 let context;
 try {
-  context = await openBrowser(profile);
+  // A processor draws: what comes after the first pictures is looked at with a quarter of the pixels.
+  context = await openBrowser(profile, {pixels: part === 'rest' ? 0.5 : 1});
   const page = context.pages()[0] ?? (await context.newPage());
   const problems = [];
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
