@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <toml++/toml.h>
 
 #include <cmath>
 #include <pugixml.hpp>
@@ -12,6 +11,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/network_spec.hpp"
 #include "orthodrive/pipeline/score.hpp"
 #include "orthodrive/report/label_pictures.hpp"
 #include "orthodrive/report/svg_plot.hpp"
@@ -87,20 +87,13 @@ TEST(LabelTruthFromPolygons, pieces_in_the_order_of_the_file_and_a_class_nobody_
 
 TEST(MergeTableFile, shipped_one_takes_38_classes_to_32) {
   const fs::path folder = paths::in_source("models/classes");
-  const toml::table file = toml::parse_file((folder / "reference-38.toml").string());
-  std::vector<ClassInfo> classes;
+  const fs::path file = folder / "reference-38.toml";
+  const std::vector<ClassInfo> classes = parse_class_table(bytes_of(file), file).classes;
   double road_false_positive = 0.0;
-  for (const toml::node& node : *file["class"].as_array()) {
-    const toml::table& c = *node.as_table();
-    const ClassInfo info{.name = c["name"].value<std::string>().value_or(""),
-                         .role = role_from_string(c["role"].value<std::string>().value_or("")),
-                         .cost_false_positive = c["cost_false_positive"].value<double>().value_or(-1.0),
-                         .cost_false_negative = c["cost_false_negative"].value<double>().value_or(-1.0)};
-    EXPECT_EQ(c["color"].value<std::string>().value_or("").size(), 7u);
+  for (const ClassInfo& info : classes) {
     EXPECT_EQ(info.role == Role::road, info.cost_false_positive == 1.0) << info.name;
     EXPECT_EQ(info.role == Role::road || info.role == Role::maybe_road, info.cost_false_negative < 1.0) << info.name;
     road_false_positive += info.cost_false_positive;
-    classes.push_back(info);
   }
   ASSERT_EQ(classes.size(), 38u);
   EXPECT_EQ(road_false_positive, 10.0) << "cartway, macadam, driveway, secondary ... ramp, pitlane, track";

@@ -68,14 +68,11 @@ ImageData read_images(TomlSection& section) {
   section.read("gsd_m", data.gsd_m);
   section.read("held_out", data.held_out);
   section.for_each_table("palette", [&](TomlSection& entry) {
-    std::vector<std::int64_t> color;
+    std::array<std::uint8_t, 3> color{};
     std::vector<std::string> classes;
-    entry.read("color", color);
+    entry.read_color("color", color);
     entry.read("classes", classes);
-    if (color.size() != 3 || std::ranges::any_of(color, [](std::int64_t v) { return v < 0 || v > 255; }))
-      entry.fail_here("'color' must be [r, g, b], each 0 to 255");
-    data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
-                  static_cast<std::uint8_t>(color[2])}] = classes;
+    data.palette[color] = classes;
   });
   section.read("crf_only", data.crf_only);
   read_use(section, data.use);

@@ -39,18 +39,14 @@ ClassTable parse_class_table(std::string_view text, const std::filesystem::path&
   for (const char* key : {"name", "class"}) section.require(key);
   section.read("name", classes.name);
   section.for_each_table("class", [&](TomlSection& entry) {
-    for (const char* key : {"name", "color", "role"}) entry.require(key);
+    for (const char* key : {"name", "role"}) entry.require(key);
     ClassInfo info;
-    std::vector<std::int64_t> color;
     std::string role;
     entry.read("name", info.name);
-    entry.read("color", color);
+    entry.read_color("color", info.color);
     entry.read("role", role);
     entry.read("cost_false_positive", info.cost_false_positive);
     entry.read("cost_false_negative", info.cost_false_negative);
-    if (color.size() != 3)
-      throw InputError(file.string(), fmt::format("class '{}': color must be [r, g, b]", info.name));
-    for (std::size_t i = 0; i < 3; ++i) info.color[i] = static_cast<std::uint8_t>(color[i]);
     try {
       info.role = role_from_string(role);
     } catch (const OptionError& error) {

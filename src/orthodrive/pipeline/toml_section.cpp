@@ -2,6 +2,7 @@
 #include "orthodrive/pipeline/toml_section.hpp"
 
 #include <algorithm>
+#include <charconv>
 
 #include "orthodrive/core/closest_word.hpp"
 #include "orthodrive/core/printable.hpp"
@@ -92,6 +93,24 @@ void TomlSection::read_texts(const char* key, std::vector<std::string>& values) 
     read(key, values);
   else
     fail(*node, fmt::format("{} must be a text or a list of texts", called(key)));
+}
+
+void TomlSection::read_color(const char* key, std::array<std::uint8_t, 3>& color) {
+  require(key);
+  const toml::node& node = *find(key);
+  std::vector<int> values;
+  if (const auto text = node.value<std::string>()) {
+    unsigned number = 0;
+    const char *begin = text->data() + 1, *end = text->data() + text->size();
+    if (text->size() == 7 && text->front() == '#')
+      if (const auto read = std::from_chars(begin, end, number, 16); read.ec == std::errc{} && read.ptr == end)
+        for (const int shift : {16, 8, 0}) values.push_back(static_cast<int>(number >> shift & 255U));
+  } else if (node.is_array()) {
+    read(key, values);
+  }
+  if (values.size() != 3 || std::ranges::any_of(values, [](int v) { return v < 0 || v > 255; }))
+    fail(node, fmt::format("{} must be [r, g, b], each 0 to 255, or \"#RRGGBB\"", called(key)));
+  std::ranges::transform(values, color.begin(), [](int v) { return static_cast<std::uint8_t>(v); });
 }
 
 void TomlSection::read_choice(const char* key, std::string& value, const std::vector<std::string>& choices) {

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -76,6 +78,9 @@ class TomlSection {
 
   /// A text, or a list of texts.
   void read_texts(const char* key, std::vector<std::string>& values);
+
+  /// [red, green, blue], each 0 to 255, or "#RRGGBB". A key that is not there is an error.
+  void read_color(const char* key, std::array<std::uint8_t, 3>& color);
 
   /// A text out of `choices`.
   void read_choice(const char* key, std::string& value, const std::vector<std::string>& choices);
