@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // orthodrive refine: OSM roads moved onto the road in the labels, or by the MRF baseline in the photo.
 
+#include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
 #include "driving_side_option.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "stage_output.hpp"
 
@@ -19,12 +22,30 @@ struct RefineCommand {
   RefineFiles files;
   RunRefineOptions options;
   std::string method = "default", nlo_weights = "1+2", polygons = "smooth";
+  std::optional<double> search_radius_m;  ///< each method has its own default
+  std::optional<int> iterations;
+  std::vector<double> width_factors;
+  OptionsOfChoices of_methods{"--method"};
 };
 
-std::vector<NloPass> nlo_passes(const std::string& weights) {
+/// "1+2": one pass after the other, each a set of the reference's or four weights: "10,1,0.2,0.2".
+std::vector<NloPass> nlo_passes(const std::string& text) {
   std::vector<NloPass> passes;
-  if (weights != "2") passes.push_back(nlo_set_1);
-  if (weights != "1") passes.push_back(nlo_set_2);
+  for (const std::string& pass : CLI::detail::split(text, '+')) {
+    NloPass weights = pass == "2" ? nlo_set_2 : nlo_set_1;
+    if (pass != "1" && pass != "2") {
+      const std::vector<std::string> words = CLI::detail::split(pass, ',');
+      std::array<double, 4> numbers{};
+      bool good = words.size() == numbers.size();
+      for (std::size_t i = 0; good && i < numbers.size(); ++i) good = CLI::detail::lexical_cast(words[i], numbers[i]);
+      if (!good)
+        throw OptionError(fmt::format(
+            "--weights {}: '{}' is neither set 1 nor 2 nor four numbers w_c,w_a,w_w,w_o such as 10,1,0.2,0.2", text,
+            pass));
+      weights = {numbers[0], numbers[1], numbers[2], numbers[3]};
+    }
+    passes.push_back(weights);
+  }
   return passes;
 }
 
@@ -33,12 +54,97 @@ void refine_it(RefineCommand& command, const Context& context) {
                                                            {"nlo", RefineMethod::nlo},
                                                            {"mrf", RefineMethod::mrf},
                                                            {"none", RefineMethod::none}};
+  command.of_methods.refuse_idle(command.method);
+  RunRefineOptions& options = command.options;
   command.files.osm = {command.osm};
-  command.options.method = methods.at(command.method);
-  command.options.nlo_passes = nlo_passes(command.nlo_weights);
-  command.options.mrf_polygons = command.polygons == "dp" ? RoadPolygons::douglas_peucker : RoadPolygons::smooth;
+  options.method = methods.at(command.method);
+  options.nlo.passes = nlo_passes(command.nlo_weights);
+  if (command.width_factors.size() == 2)
+    options.nlo.min_width_factor = command.width_factors[0], options.nlo.max_width_factor = command.width_factors[1];
+  options.mrf.polygons = command.polygons == "dp" ? RoadPolygons::douglas_peucker : RoadPolygons::smooth;
+  if (command.search_radius_m)
+    options.standard.search_radius_m = options.nlo.max_offset_m = options.mrf.search_radius_m =
+        *command.search_radius_m;
+  if (command.iterations) {
+    options.standard.max_iterations = *command.iterations;
+    for (NloPass& pass : options.nlo.passes) pass.max_iterations = *command.iterations;
+  }
   StageContext stage = stage_context(context);
-  print_outcome(runs().run_refine(command.files, command.options, stage), stage);
+  print_outcome(runs().run_refine(command.files, options, stage), stage);
+}
+
+void add_nlo_options(CLI::App* cmd, RefineCommand& command) {
+  OptionsOfChoices& of = command.of_methods;
+  NloRoadsOptions& nlo = command.options.nlo;
+  of.add(cmd->add_option("--weights", command.nlo_weights,
+                         "of nlo: passes with the reference's set 1 or 2, or w_c,w_a,w_w,w_o, one after the other: 1+1")
+             ->capture_default_str(),
+         {"nlo"});
+  of.add(cmd->add_option("--width-factors", command.width_factors,
+                         fmt::format("of nlo: widths from this to that many times the map's; default: {} {}",
+                                     nlo.min_width_factor, nlo.max_width_factor))
+             ->expected(2),
+         {"nlo"});
+  of.add(cmd->add_option("--strip", nlo.strip_m, "of nlo: width of the strips on both sides of a border, m")
+             ->check(CLI::Range(0.1, 20.0))
+             ->capture_default_str(),
+         {"nlo"});
+  of.add(cmd->add_option("--spacing", nlo.spacing_m, "of nlo: distance of nodes, m")
+             ->check(CLI::Range(0.2, 100.0))
+             ->capture_default_str(),
+         {"nlo"});
+  of.add(
+      cmd->add_option("--unlabelled-cost", nlo.unlabelled_cost, "of nlo: what a pixel without a label costs in a road")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str(),
+      {"nlo"});
+  of.add(cmd->add_flag("--filter-and-join", nlo.filter_and_join,
+                       "of nlo: the reference's filter of the curvature, then junctions by the rank of their roads"),
+         {"nlo"});
+}
+
+void add_mrf_options(CLI::App* cmd, RefineCommand& command) {
+  OptionsOfChoices& of = command.of_methods;
+  of.add(cmd->add_option("--photo", command.files.photo, "of mrf: orthophoto, gives area and CRS"), {"mrf"});
+  of.add(cmd->add_option("--forests", command.files.forests, "of mrf: what `orthodrive forests` learned"), {"mrf"});
+  of.add(cmd->add_option("--polygons", command.polygons,
+                         "of mrf: borders by Douglas and Peucker (dp) or averaged (smooth)")
+             ->check(CLI::IsMember({"dp", "smooth"}))
+             ->capture_default_str(),
+         {"mrf"});
+}
+
+/// Of the default method, and what others read as well.
+void add_standard_options(CLI::App* cmd, RefineCommand& command) {
+  OptionsOfChoices& of = command.of_methods;
+  const RunRefineOptions& o = command.options;
+  of.add(cmd->add_option("--labels", command.files.labels,
+                         "label map of `orthodrive segment`: gives area and CRS; not for mrf"),
+         {"default", "nlo", "none"});
+  of.add(
+      cmd->add_option("--road-probability", command.files.road_probability,
+                      "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is"),
+      {"default"});
+  of.add(cmd->add_option("--alignment", command.files.alignment,
+                         "of `orthodrive segment --alignment`: where a network that sees the map has the roads"),
+         {"default"});
+  of.add(cmd->add_option("--weights-file", command.files.weights,
+                         "of default: TOML file of weights, as `orthodrive tune` writes it; default: the shipped ones"),
+         {"default"});
+  of.add(cmd->add_option("--gpx", command.files.gpx,
+                         "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated"),
+         {"default"});
+  of.add(add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left"), {"default"});
+  of.add(cmd->add_option("--search-radius", command.search_radius_m,
+                         fmt::format("largest offset from the OSM line, m; default: {}, of nlo {}, of mrf {}",
+                                     o.standard.search_radius_m, o.nlo.max_offset_m, o.mrf.search_radius_m))
+             ->check(CLI::Range(1.0, 50.0)),
+         {"default", "nlo", "mrf"});
+  of.add(cmd->add_option("--iterations", command.iterations,
+                         fmt::format("largest number of iterations; default: {}, of each pass of nlo {}",
+                                     o.standard.max_iterations, nlo_set_1.max_iterations))
+             ->check(CLI::Range(0, 1000)),
+         {"default", "nlo"});
 }
 
 }  // namespace
@@ -48,38 +154,15 @@ void add_refine(CLI::App& app, Context& context) {
   CLI::App* cmd =
       app.add_subcommand("refine", "Move OSM roads onto the road seen in the labels and measure their width.");
   cmd->add_option("--osm", command->osm, "OSM roads (.osm, .osm.pbf)")->required();
-  cmd->add_option("--labels", command->files.labels,
-                  "label map of `orthodrive segment`: gives area and CRS; not for mrf");
-  cmd->add_option("--road-probability", command->files.road_probability,
-                  "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is");
-  cmd->add_option("--alignment", command->files.alignment,
-                  "of `orthodrive segment --alignment`: where a network that sees the map has the roads");
   cmd->add_option("-o,--output", command->files.roads, "refined roads (GeoPackage)")->required();
   cmd->add_option(
          "--method", command->method,
          "default; to compare with: nlo, the reference's, mrf, Mattyus et al. 2015, or none, the OSM roads as they are")
       ->check(CLI::IsMember({"default", "nlo", "mrf", "none"}))
       ->capture_default_str();
-  cmd->add_option("--weights", command->nlo_weights, "of nlo: the reference's weight set 1, 2, or one after the other")
-      ->check(CLI::IsMember({"1", "2", "1+2"}))
-      ->capture_default_str();
-  cmd->add_option("--weights-file", command->files.weights,
-                  "of default: TOML file of weights, as `orthodrive tune` writes it; default: the shipped ones");
-  cmd->add_option("--photo", command->files.photo, "of mrf: orthophoto, gives area and CRS");
-  cmd->add_option("--forests", command->files.forests, "of mrf: what `orthodrive forests` learned");
-  cmd->add_option("--polygons", command->polygons, "of mrf: borders by Douglas and Peucker (dp) or averaged (smooth)")
-      ->check(CLI::IsMember({"dp", "smooth"}))
-      ->capture_default_str();
-  cmd->add_option("--gpx", command->files.gpx,
-                  "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated");
-  add_driving_side(cmd, command->options.standard.driving_side, "of the GPX tracks: right, left");
-  RefineRoadsOptions& o = command->options.standard;
-  cmd->add_option("--search-radius", o.search_radius_m, "of default: largest offset from the OSM line, m")
-      ->check(CLI::Range(1.0, 50.0))
-      ->capture_default_str();
-  cmd->add_option("--iterations", o.max_iterations, "of default: largest number of iterations")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
+  add_standard_options(cmd, *command);
+  add_nlo_options(cmd, *command);
+  add_mrf_options(cmd, *command);
   cmd->footer(
       "Reads roads and labels (mrf: roads and the photo); writes the layers centrelines, nodes and surface: centre "
       "line, offset, width and their\n"
@@ -88,6 +171,7 @@ void add_refine(CLI::App& app, Context& context) {
       "  orthodrive refine --osm roads.osm --labels out/labels.tif -o roads.gpkg\n"
       "  orthodrive refine --osm roads.osm --labels out/labels.tif --gpx monday.gpx --gpx tuesday.gpx -o roads.gpkg\n"
       "  orthodrive refine --osm town.osm.pbf --labels labels.tif --search-radius 12 -o roads.gpkg\n"
+      "  orthodrive refine --method nlo --weights 1+2 --osm roads.osm --labels labels.tif -o roads.gpkg\n"
       "  orthodrive refine --method mrf --osm roads.osm --photo ortho.tif --forests forests.yml -o roads.gpkg");
   cmd->callback([command, &context] { refine_it(*command, context); });
 }

@@ -36,18 +36,21 @@ std::vector<std::string> codes(const Findings& findings) {
 
 // ---- counting pixels
 
-/// The sums of eq. 3.3 over all pixels of the raster, by geo's point in polygon.
+/// The sums of eq. 3.3 over all pixels of the raster and 80 around it, by geo's point in polygon.
 StripSum brute_force(const LabelMap& labels, const std::array<float, 256>& costs, const LabelStrip& strip) {
   const Polygon polygon{{strip.border_a, strip.border_b, strip.far_b, strip.far_a}, {}};
   const Vec2 normal = left_normal(normalized(strip.border_b - strip.border_a));
   StripSum sum;
-  for (int row = 0; row < labels.frame.height; ++row)
-    for (int col = 0; col < labels.frame.width; ++col) {
+  const int around = 80;
+  for (int row = -around; row < labels.frame.height + around; ++row)
+    for (int col = -around; col < labels.frame.width + around; ++col) {
       const Vec2 p = labels.frame.center_of(col, row);
-      const float cost = costs[labels.labels.at(col, row)];
-      if (!contains(polygon, p) || cost < 0.0F) continue;
+      if (!contains(polygon, p)) continue;
+      const bool in_raster = row >= 0 && row < labels.frame.height && col >= 0 && col < labels.frame.width;
+      const std::uint8_t label = in_raster ? labels.labels.at(col, row) : label_nodata;
       const double d = std::min(1.0, std::abs(dot(p - strip.border_a, normal)) / strip.width_m);
-      sum.weight += d, sum.cost += d * cost;
+      sum.weight += d, sum.cost += d * costs[label];
+      sum.labelled |= label != label_nodata;
     }
   return sum;
 }
@@ -60,7 +63,7 @@ TEST(LabelStrips, pixel_sum_equals_brute_force) {
     if (random.uniform() < 0.1) label = label_nodata;
     if (random.uniform() < 0.05) label = 77;  // not in the table
   }
-  const LabelCosts costs = label_costs(scene.labels.classes);
+  const LabelCosts costs = label_costs(scene.labels.classes, 0.7);
   int with_pixels = 0, outside = 0;
   for (int k = 0; k < 500; ++k) {
     // Also partly and wholly outside the labels, thin ones, and some that fold over themselves.
@@ -75,7 +78,8 @@ TEST(LabelStrips, pixel_sum_equals_brute_force) {
     const StripSum expected = brute_force(scene.labels, k % 2 ? costs.inside : costs.outside, strip);
     ASSERT_NEAR(sum.weight, expected.weight, 1e-6) << k;
     ASSERT_NEAR(sum.cost, expected.cost, 1e-6) << k;
-    with_pixels += expected.cost > 0.0 ? 1 : 0, outside += expected.weight == 0.0 ? 1 : 0;
+    EXPECT_EQ(sum.labelled, expected.labelled) << k;
+    with_pixels += expected.cost > 0.0 ? 1 : 0, outside += expected.labelled ? 0 : 1;
   }
   EXPECT_GT(with_pixels, 100);
   EXPECT_GT(outside, 50);
@@ -85,7 +89,7 @@ TEST(LabelStrips, a_known_strip) {
   // Ground of 0.25 m pixels; the strip reaches 1 m to the left of a border along y = 10: four rows at 1/8 .. 7/8 m.
   RoadScene scene = make_scene(20.0, 0.25);
   paint(scene.labels, {at(0, 10.5), at(20, 10.5), at(20, 10.75), at(0, 10.75)}, label_road);  // the third row
-  const LabelCosts costs = label_costs(scene.labels.classes);
+  const LabelCosts costs = label_costs(scene.labels.classes, 1.0);
   const LabelStrip strip{at(5, 10), at(7, 10), at(5, 11), at(7, 11), 1.0};
   StripSum sum;
   add_strip(scene.labels, costs.outside, strip, sum);
@@ -95,7 +99,23 @@ TEST(LabelStrips, a_known_strip) {
   sum = {};
   add_strip(scene.labels, costs.outside, {at(1e9, 1e9), at(1e9 + 2, 1e9), at(1e9, 1e9 + 1), at(1e9 + 2, 1e9 + 1), 1.0},
             sum);
-  EXPECT_EQ(sum.weight, 0.0) << "far outside the labels";
+  EXPECT_EQ(sum.cost, 0.0) << "far beyond the raster there is no road to pay for";
+  EXPECT_FALSE(sum.labelled);
+}
+
+TEST(LabelStrips, costs_are_those_of_table_3_2) {
+  const ClassTable& classes = default_class_table();
+  const LabelCosts costs = label_costs(classes, 0.5);
+  for (std::size_t i = 0; i < classes.classes.size(); ++i) {
+    const Role role = classes.classes[i].role;
+    EXPECT_EQ(costs.outside[i], role == Role::road ? 1.0F : 0.0F) << classes.classes[i].name;
+    EXPECT_EQ(costs.inside[i], role == Role::road         ? 0.0F
+                               : role == Role::maybe_road ? 0.2F
+                                                          : 1.0F)
+        << classes.classes[i].name;
+  }
+  EXPECT_EQ(costs.outside[label_nodata], 0.0F);
+  EXPECT_EQ(costs.inside[label_nodata], 0.5F);
 }
 
 // ---- the method
@@ -186,6 +206,24 @@ TEST(NloRoads, set_1_is_nearer_to_the_labels_and_set_2_is_smoother) {
   EXPECT_LT(variance[2], 0.5 * variance[0]);
   EXPECT_LT(difference[0], difference[1]);
   EXPECT_LT(difference[0], difference[2]);
+}
+
+TEST(NloRoads, nothing_leaves_its_bounds) {
+  RoadScene scene = make_wavy();
+  for (RoadNode& node : scene.osm.paths[0].nodes) node.p.y += 4.0;  // half of it lies beside the road
+  for (const auto& passes : {set_1, set_2, set_1_then_2}) {
+    const NloRoadsOptions options{
+        .passes = passes, .max_offset_m = 3.0, .min_width_factor = 0.8, .max_width_factor = 1.1};
+    const RoadPath path = refine_roads_nlo(scene.osm, scene.labels, options).roads.paths[0];
+    bool at_bound = false;
+    for (const RoadNode& node : path.nodes) {
+      EXPECT_LE(std::abs(node.offset_m), 3.0 + 1e-6);
+      EXPECT_GE(node.width_m, 0.8 * 5.5 - 1e-9);
+      EXPECT_LE(node.width_m, 1.1 * 5.5 + 1e-9);
+      at_bound |= std::abs(node.offset_m) > 2.9;
+    }
+    EXPECT_TRUE(at_bound) << "the bound is felt";
+  }
 }
 
 TEST(NloRoads, second_pass_starts_from_the_first) {
@@ -314,6 +352,10 @@ TEST(NloRoads, wrong_input_is_refused) {
   RoadScene scene = make_scene(50.0);
   EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.passes = {}}), OptionError);
   EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.strip_m = 0.0}), OptionError);
+  EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.max_offset_m = -1.0}), OptionError);
+  EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.min_width_factor = 1.1}), OptionError);
+  EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.max_width_factor = 0.9}), OptionError);
+  EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.unlabelled_cost = 2.0}), OptionError);
   EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels, {.passes = {{.weight_width = -1.0}}}), OptionError);
   scene.osm.crs = {"EPSG:32634"};
   EXPECT_THROW((void)refine_roads_nlo(scene.osm, scene.labels), OptionError);

@@ -73,6 +73,7 @@ PARTS = [  # a part stands behind those whose files it takes
     Part("segment", "segment", 15, [["segment"]], TOWNS),
     Part("dense-crf", "dense_crf", 1, [["dense-crf"]], TOWNS),
     Part("refine", "refine", 45, [["refine"]], TOWNS),
+    Part("nlo", "nlo", 30, [["nlo"]], TOWNS + ", what `refine` made"),
     Part("wide-roads", "road_surface", 5, [["wide-roads"]], TOWNS),
     Part("second-eye", "second_eye", 20, [["second-eye"]], TOWNS),
     Part("adapt", "adapt", 40, [["adapt"]], TOWNS),

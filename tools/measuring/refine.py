@@ -170,11 +170,36 @@ def drawn_truth(name, folder):
     return drawn
 
 
+class Sites:
+    """What is refined and what it is compared with, made where it is not there yet."""
+
+    def __init__(self, args):
+        self.tool, self.out, self.made = Tool(args.tool), args.out, {}
+
+    def of(self, name):
+        """Photo, osm, labels and probability of the network; the truth; options of `evaluate roads`."""
+        if name not in self.made:
+            self.made[name] = self.synthetic(name) if name in SYNTHETIC else self.town(name)
+        return self.made[name]
+
+    def synthetic(self, name):
+        site = self.tool.synth(self.out / name, *SYNTHETIC[name], "--gsd", "0.2")
+        given = {"photo": site / "ortho.tif", "osm": site / "roads.osm"}
+        return {**given, **segment(self.tool, given["photo"], site)}, site / "truth", []
+
+    def town(self, name):
+        site = self.out / name
+        site.mkdir(parents=True, exist_ok=True)
+        drawn = drawn_truth(name, site)
+        given = {"photo": PHOTOS[name], **segment(self.tool, PHOTOS[name], site), "osm": DATA / name / "roads.osm"}
+        return given, drawn[""], ["--area", drawn["_area"], "--ignore", drawn["_unmapped"]]
+
+
 class Measuring:
     """Runs methods and scores them, keeping each result as it comes."""
 
     def __init__(self, args):
-        self.tool, self.out, self.commit = Tool(args.tool), args.out, commit()
+        self.sites, self.tool, self.out, self.commit = Sites(args), Tool(args.tool), args.out, commit()
         self.numbers = read_results(STORE, {"rows": {}})
 
     def measure(self, name, method, given, truth, *more):
@@ -226,25 +251,22 @@ class Measuring:
         )
 
     def synthetic(self, name, methods):
-        site = self.tool.synth(self.out / name, *SYNTHETIC[name], "--gsd", "0.2")
-        given, truth = {"photo": site / "ortho.tif", "osm": site / "roads.osm"}, site / "truth"
+        given, truth, _ = self.sites.of(name)
         for method in methods:
             if not method.startswith("mrf"):  # it reads the photo
-                self.measure(f"{name} true", method, {**given, "labels": truth / "labels.tif"}, truth)
-            self.measure(f"{name} predicted", method, {**given, **segment(self.tool, given["photo"], site)}, truth)
+                true_labels = {"photo": given["photo"], "osm": given["osm"], "labels": truth / "labels.tif"}
+                self.measure(f"{name} true", method, true_labels, truth)
+            self.measure(f"{name} predicted", method, given, truth)
 
     def town(self, name, methods):
+        given, truth, region = self.sites.of(name)
         site = self.out / name
-        site.mkdir(parents=True, exist_ok=True)
-        given = {"photo": PHOTOS[name], **segment(self.tool, PHOTOS[name], site), "osm": DATA / name / "roads.osm"}
-        drawn = drawn_truth(name, site)
         moved = site / "disturbed.osm"
         disturb(given["osm"], moved)
-        region = ["--area", drawn["_area"], "--ignore", drawn["_unmapped"]]
         for method in methods:
-            self.measure(f"{name} drawn", method, given, drawn[""], *region)
+            self.measure(f"{name} drawn", method, given, truth, *region)
             if method == "default":
-                self.measure(f"{name} painted", method, {**given, **paint(name, site, given)}, drawn[""], *region)
+                self.measure(f"{name} painted", method, {**given, **paint(name, site, given)}, truth, *region)
             self.measure(
                 f"{name} disturbed", method, {**given, "osm": moved}, self.out / "roads" / f"{name} drawn.none.gpkg"
             )

@@ -7,13 +7,14 @@
 
 namespace orthodrive::baselines {
 
-LabelCosts label_costs(const ClassTable& classes) {
+LabelCosts label_costs(const ClassTable& classes, double unlabelled_cost) {
   LabelCosts costs;
-  costs.outside.fill(-1.0F);
-  costs.inside.fill(-1.0F);
+  costs.outside.fill(0.0F);
+  costs.inside.fill(static_cast<float>(unlabelled_cost));
   for (std::size_t i = 0; i < std::min<std::size_t>(classes.classes.size(), label_nodata); ++i) {
-    costs.outside[i] = static_cast<float>(classes.classes[i].cost_false_positive);
-    costs.inside[i] = static_cast<float>(classes.classes[i].cost_false_negative);
+    const ClassInfo& info = classes.classes[i];
+    costs.outside[i] = static_cast<float>(info.cost_false_positive);
+    costs.inside[i] = info.role == Role::vegetation ? 1.0F : static_cast<float>(info.cost_false_negative);
   }
   return costs;
 }
@@ -36,10 +37,8 @@ void add_strip(const LabelMap& labels, const std::array<float, 256>& costs, cons
                                     frame.pixel_from_world(strip.far_b), frame.pixel_from_world(strip.far_a)};
   const auto [low, high] = std::minmax({corners[0].y, corners[1].y, corners[2].y, corners[3].y});
   // Clamped as doubles: far away from the labels an int would overflow. Rows are half open, as in geo/polygon.
-  const auto clamped = [](double x, int end) {
-    return static_cast<int>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(end)));
-  };
-  const int first_row = clamped(low, frame.height), end_row = clamped(high, frame.height);
+  const auto first_after = [](double x) { return static_cast<int>(std::clamp(std::ceil(x - 0.5), -1e9, 1e9)); };
+  const int first_row = first_after(low), end_row = first_after(high);
   const DistanceWeight weight = distance_weight(corners[0], corners[1], strip.width_m / frame.gsd_m);
 
   double cost_sum = 0.0, weight_sum = 0.0;
@@ -53,16 +52,17 @@ void add_strip(const LabelMap& labels, const std::array<float, 256>& costs, cons
       if ((a.y <= y) != (b.y <= y)) crossings[count++] = a.x + (y - a.y) * (b.x - a.x) / (b.y - a.y);
     }
     std::ranges::sort(crossings);
-    const std::uint8_t* const line = &labels.labels.data[labels.labels.index(0, row)];
+    const bool is_row = row >= 0 && row < frame.height;
+    const std::uint8_t* const line = is_row ? &labels.labels.data[labels.labels.index(0, row)] : nullptr;
     const double at_row = weight.at_origin + weight.per_row * y;
     for (std::size_t i = 0; i + 1 < count; i += 2) {
-      const int end_col = clamped(crossings[i + 1], frame.width);
-      for (int col = clamped(crossings[i], frame.width); col < end_col; ++col) {
-        const float cost = costs[line[col]];
-        if (cost < 0.0F) continue;
+      const int end_col = first_after(crossings[i + 1]);
+      for (int col = first_after(crossings[i]); col < end_col; ++col) {
+        const std::uint8_t label = line && col >= 0 && col < frame.width ? line[col] : label_nodata;
         const double d = std::min(1.0, std::abs(at_row + weight.per_col * (col + 0.5)));
         weight_sum += d;
-        cost_sum += d * cost;
+        cost_sum += d * costs[label];
+        sum.labelled |= label != label_nodata;
       }
     }
   }

@@ -9,12 +9,15 @@
 
 namespace orthodrive::baselines {
 
-/// c of eq. 3.3 for each label value (thesis table 3.2). Negative: such a pixel is not counted (nodata, no class).
+/// c of eq. 3.3 for each label value; the entry of label_nodata is that of all that has no label, beyond the raster,
+/// too.
 struct LabelCosts {
   std::array<float, 256> outside;  ///< false positives: in the context strips
   std::array<float, 256> inside;   ///< false negatives: in the boundary strips
 };
-[[nodiscard]] LabelCosts label_costs(const ClassTable& classes);
+/// Thesis table 3.2: the costs of the table, but vegetation costs 1 inside, which ours lets pass for half a road. What
+/// has no label is no road: 0 outside and `unlabelled_cost` (0 to 1) inside.
+[[nodiscard]] LabelCosts label_costs(const ClassTable& classes, double unlabelled_cost);
 
 /// A quadrilateral along a piece of a road's border, in the site CRS. It may fold over itself in a tight bend.
 struct LabelStrip {
@@ -25,15 +28,16 @@ struct LabelStrip {
 
 /// The two sums of eq. 3.3; those of several strips are added.
 struct StripSum {
-  double cost = 0.0;    ///< sum c d
-  double weight = 0.0;  ///< sum d
+  double cost = 0.0;      ///< sum c d
+  double weight = 0.0;    ///< sum d
+  bool labelled = false;  ///< whether any of the pixels has a label
   /// 0 where there is no pixel.
   [[nodiscard]] double mean() const { return weight > 0.0 ? cost / weight : 0.0; }
 };
 
 /// Adds the pixels of the labels whose centre lies in the strip (even-odd). d rises linearly from 0 on the line through
-/// the border to 1 at width_m from it (figure 3.6). A scan over rows without allocation; pixels outside the raster and
-/// those with a negative cost are not counted.
+/// the border to 1 at width_m from it (figure 3.6). The grid of the labels goes on beyond the raster. A scan over rows
+/// without allocation.
 void add_strip(const LabelMap& labels, const std::array<float, 256>& costs, const LabelStrip& strip, StripSum& sum);
 
 }  // namespace orthodrive::baselines

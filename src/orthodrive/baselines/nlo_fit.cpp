@@ -160,7 +160,8 @@ void set_normals(NloPath& path) {
 using Problem = ceres::Problem;
 
 void add_residuals(Problem& problem, const NloPath& path, const std::vector<bool>& seen,
-                   const ClassificationCost::Source& source, const NloPass& pass, NloFit& fit) {
+                   const ClassificationCost::Source& source, const NloRoadsOptions& options, const NloPass& pass,
+                   NloFit& fit) {
   std::vector<double>&offset = fit.offset_m, &width = fit.width_m;
   std::vector<bool> held(path.nodes.size(), true);
   for (std::size_t i = 0; i + 1 < path.nodes.size(); ++i)
@@ -171,6 +172,11 @@ void add_residuals(Problem& problem, const NloPath& path, const std::vector<bool
       problem.AddParameterBlock(value, 1);
       if (held[i]) problem.SetParameterBlockConstant(value);
     }
+    if (held[i]) continue;
+    problem.SetParameterLowerBound(&offset[i], 0, -options.max_offset_m);
+    problem.SetParameterUpperBound(&offset[i], 0, options.max_offset_m);
+    problem.SetParameterLowerBound(&width[i], 0, options.min_width_factor * path.nodes[i].width_m);
+    problem.SetParameterUpperBound(&width[i], 0, options.max_width_factor * path.nodes[i].width_m);
   }
   for (std::size_t i = 0; i + 1 < path.nodes.size(); ++i) {
     const std::size_t a = path.nodes[i].own, b = path.nodes[i + 1].own;
@@ -231,16 +237,16 @@ NloFit fit_nlo(const NloPath& path, const LabelMap& labels, const NloRoadsOption
   const std::size_t count = path.nodes.size();
   NloFit fit{.offset_m = std::vector<double>(count, 0.0)};
   for (const NloNode& node : path.nodes) fit.width_m.push_back(path.nodes[node.own].width_m);
-  const LabelCosts costs = label_costs(labels.classes);
+  const LabelCosts costs = label_costs(labels.classes, options.unlabelled_cost);
   const ClassificationCost::Source source{labels, costs, options.strip_m, options.difference_step_m};
 
-  std::vector<bool> seen(count, false);  // whether the strips of the segment from node i show any pixel
+  std::vector<bool> seen(count, false);  // whether the strips of the segment from node i show a label
   for (std::size_t i = 0; i + 1 < count; ++i) {
     const std::size_t a = path.nodes[i].own, b = path.nodes[i + 1].own;
     if (a == b) continue;
     const auto sums =
         ClassificationCost::sums(path.nodes[a], path.nodes[b], source, {0.0, fit.width_m[a], 0.0, fit.width_m[b]});
-    seen[i] = sums.context.weight > 0.0 || sums.boundary.weight > 0.0;
+    seen[i] = sums.context.labelled || sums.boundary.labelled;
   }
   fit.outside_labels = std::none_of(seen.begin(), seen.end(), [](bool s) { return s; });
   if (fit.outside_labels) return fit;
@@ -252,16 +258,15 @@ NloFit fit_nlo(const NloPath& path, const LabelMap& labels, const NloRoadsOption
       std::fill(input.offset_m.begin(), input.offset_m.end(), 0.0);
       for (std::size_t i = 0; i < count; ++i) input.width_m[i] = path.nodes[path.nodes[i].own].width_m;
       Problem problem;
-      add_residuals(problem, path, seen, source, options.passes[k], input);
+      add_residuals(problem, path, seen, source, options, options.passes[k], input);
       problem.Evaluate({}, &fit.solve.cost_before, nullptr, nullptr, nullptr);
     }
     Problem problem;
-    add_residuals(problem, path, seen, source, options.passes[k], fit);
+    add_residuals(problem, path, seen, source, options, options.passes[k], fit);
     ceres::Solver::Options solver;
     set_solver(solver, options.passes[k].max_iterations);
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    for (double& width : fit.width_m) width = std::max(width, options.min_width_m);
     fit.failed = fit.failed || summary.termination_type == ceres::FAILURE;
     fit.solve.converged = summary.termination_type == ceres::CONVERGENCE;
     fit.solve.iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);

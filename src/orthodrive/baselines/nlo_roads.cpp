@@ -20,9 +20,14 @@ void check_nlo(const RoadNetwork& osm, const LabelMap& labels, const NloRoadsOpt
   if (!(osm.crs == labels.crs))
     throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition,
                                   labels.crs.definition));
-  if (!(options.spacing_m > 0.0) || !(options.strip_m > 0.0) || !(options.difference_step_m > 0.0) ||
-      !(options.min_width_m > 0.0))
-    throw OptionError("refine: spacing, strip, difference step and least width must be positive");
+  if (!(options.spacing_m > 0.0) || !(options.strip_m > 0.0) || !(options.difference_step_m > 0.0))
+    throw OptionError("refine: spacing, strip and difference step must be positive");
+  if (!(options.max_offset_m >= 0.0)) throw OptionError("refine: the largest offset must not be negative");
+  if (!(options.min_width_factor > 0.0 && options.min_width_factor <= 1.0 && options.max_width_factor >= 1.0))
+    throw OptionError(fmt::format("refine: widths from {} to {} times the input's leave the input's out",
+                                  options.min_width_factor, options.max_width_factor));
+  if (!(options.unlabelled_cost >= 0.0 && options.unlabelled_cost <= 1.0))
+    throw OptionError("refine: the cost of a pixel without a label is 0 to 1");
   if (options.passes.empty()) throw OptionError("refine: need at least one pass");
   for (const NloPass& pass : options.passes)
     if (!(pass.weight_class >= 0.0) || !(pass.weight_angle >= 0.0) || !(pass.weight_width >= 0.0) ||

@@ -19,7 +19,12 @@
 // region.
 // - Resampling keeps every OSM node and divides what is between two of them evenly.
 // - A closed way stays closed: its last node is its first. Nodes at one place have one offset and one width.
-// - Nodes without a pixel of the labels in any strip beside them keep the OSM line: sec. 3.3 has labels everywhere.
+// - Offsets and widths have bounds (the solver's own). Without them nothing holds a node of set 2 back: an angle costs
+// at
+//   most pi, w_o is 0, and a strip of no road at all has one cost wherever it lies. "Already quite close to the optimum
+//   solution" (sec. 3.3.2) says how far a road may go.
+// - What has no label is no road (table 3.2, "other"), also beyond the raster: sec. 3.3 has labels everywhere. Nodes
+//   without a label in any strip beside them keep the OSM line.
 
 #include <vector>
 
@@ -50,7 +55,9 @@ struct NloRoadsOptions {
   /// jumps of the count instead and are worse: on a straight road of 6 m (0.2 m/px) 2 m off, set 1 ends 0.004 m off
   /// with 1e-6, 0.92 m with 0.1, 0.29 m with 0.25 and 0.46 m with 0.5.
   double difference_step_m = 1e-6;
-  double min_width_m = 1.0;      ///< widths end here at least; the thesis states no bound
+  double max_offset_m = 5.0;                              ///< bounds: offsets reach so far to both sides,
+  double min_width_factor = 0.5, max_width_factor = 2.0;  ///< and widths from this to that many times the input's
+  double unlabelled_cost = 1.0;  ///< of a pixel without a label inside the road, 0 to 1; outside it costs nothing
   bool filter_and_join = false;  ///< the two extras of the thesis' example (sec. 4.1): curvature filter, then junctions
   int threads = 0;               ///< 0 = all cores; the result does not depend on it
 };

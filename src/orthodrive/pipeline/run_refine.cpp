@@ -24,17 +24,9 @@ namespace {
 constexpr double node_distance_m = 2.0;  // of unrefined roads, as the default method's
 
 void check_files(const RefineFiles& files, RefineMethod method) {
-  if (method != RefineMethod::standard && !files.weights.empty())
-    throw OptionError("--weights-file holds weights of the default method; leave out --method");
-  if (method != RefineMethod::standard && !files.gpx.empty())
-    throw OptionError("--gpx is for the default method, which alone knows GPS traces; leave out --method");
-  if (method == RefineMethod::mrf) {
-    if (files.photo.empty() || files.forests.empty() || !files.labels.empty() || !files.road_probability.empty())
-      throw OptionError(
-          "refine: --method mrf reads --photo and --forests (`orthodrive forests` makes them) and no labels");
-  } else if (files.labels.empty() || !files.photo.empty() || !files.forests.empty()) {
-    throw OptionError("refine: needs --labels; --photo and --forests are for --method mrf");
-  }
+  if (method != RefineMethod::mrf && files.labels.empty()) throw OptionError("refine: needs --labels");
+  if (method == RefineMethod::mrf && (files.photo.empty() || files.forests.empty()))
+    throw OptionError("refine: --method mrf needs --photo and --forests (`orthodrive forests` makes them)");
 }
 
 RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
@@ -44,9 +36,10 @@ RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& o
   const SiteFrame site = options.site ? *options.site : site_of_photos({files.photo});
   const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
   const OsmRoads& osm = context.sources.osm(files.osm, site);
+  MrfRoadsOptions mrf = options.mrf;
+  mrf.threads = context.threads;
   MrfRoadsResult result =
-      part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}),
-                            {.polygons = options.mrf_polygons, .threads = context.threads}, context.monitor);
+      part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}), mrf, context.monitor);
   Findings findings = osm.findings;
   append(findings, result.findings);
   return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};
@@ -56,6 +49,8 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
   RefineRoadsOptions standard = options.standard;
   standard.threads = context.threads;
   standard.exchange = context.exchange;
+  NloRoadsOptions nlo = options.nlo;
+  nlo.threads = context.threads;
   if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   const LabelMap labels = io::read_labels(files.labels);
   const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
@@ -64,8 +59,7 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
   RefinedRoads result =
       options.method == RefineMethod::none ? RefinedRoads{.roads = with_nodes_every(osm.roads, node_distance_m)}
       : options.method == RefineMethod::nlo
-          ? refine_roads_nlo(osm.roads, labels, {.passes = options.nlo_passes, .threads = context.threads},
-                             context.monitor)
+          ? refine_roads_nlo(osm.roads, labels, nlo, context.monitor)
           : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
                          gpx.traces,
                          files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));

@@ -26,11 +26,11 @@ struct RunRefineOptions {
   std::optional<SiteFrame> site;  ///< none: where the labels are (mrf: the photo)
   RefineMethod method = RefineMethod::standard;
   RefineRoadsOptions standard;  ///< its weights count where files.weights is empty
-  std::vector<NloPass> nlo_passes{nlo_set_1, nlo_set_2};
-  RoadPolygons mrf_polygons = RoadPolygons::smooth;
+  NloRoadsOptions nlo;
+  MrfRoadsOptions mrf;
 };
 
-/// Throws OptionError when files are named that the method does not read, or one that it needs is not.
+/// Throws OptionError where a file that the method needs is not named.
 StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
 
 /// Does with others what run_refine() does by the default method, and writes nothing but blocks of its loops.

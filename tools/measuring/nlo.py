@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reference's nonlinear optimisation (baselines/nlo_roads): table 3.4 of the thesis on our sites, and how much its
+results hang on what the thesis leaves open. Writes docs/measured/nlo.md. Half an hour on two cores.
+"""
+
+from measuring import refine
+from measuring.common import (
+    PAGES,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    percent,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
+
+STORE, PAGE = "nlo.json", PAGES / "nlo.md"
+SITES = {
+    "village": "village 99",
+    "circuit": "circuit 7",
+    "junction": "junction 7",
+    "ring": "Red Bull Ring",
+    "kvarnbyn": "Kvarnbyn, drawn",
+    "pardubice": "Pardubice, drawn",
+}
+ROWS = {  # of table 3.4: options, published IoU % and variance of the width
+    "set 1, 1 x 20": (["--weights", "1"], "80.09", "0.378"),
+    "set 1, 1 x 40": (["--weights", "1", "--iterations", "40"], "80.19", "0.370"),
+    "set 1, 2 x 20": (["--weights", "1+1"], "80.40", "0.410"),
+    "set 2, 1 x 20": (["--weights", "2"], "65.97", "0.091"),
+    "set 2, 1 x 40": (["--weights", "2", "--iterations", "40"], "65.89", "0.084"),
+    "set 2, 2 x 20": (["--weights", "2+2"], "66.38", "0.069"),
+    "set 1+2, 20 + 20": (["--weights", "1+2"], "80.32", "0.179"),
+    "set 1+2, 40 + 40": (["--weights", "1+2", "--iterations", "40"], "80.31", "0.17"),
+    "set 1+2, filter and join": (["--weights", "1+2", "--filter-and-join"], "80.69", "-"),
+}
+OPEN = {  # one thing changed at a time
+    "as it is": [],
+    "offset within 3 m": ["--search-radius", "3"],
+    "offset within 8 m": ["--search-radius", "8"],
+    "offset within 50 m": ["--search-radius", "50"],
+    "width 0.67 to 1.5 times": ["--width-factors", "0.67", "1.5"],
+    "width 0.33 to 3 times": ["--width-factors", "0.33", "3"],
+    "no label costs 0.5": ["--unlabelled-cost", "0.5"],
+    "no label costs 0": ["--unlabelled-cost", "0"],
+    "strips of 0.75 m": ["--strip", "0.75"],
+    "strips of 2.5 m": ["--strip", "2.5"],
+    "nodes every 1 m": ["--spacing", "1"],
+    "nodes every 4 m": ["--spacing", "4"],
+}
+
+
+def add_arguments(parser):
+    add_tool(parser, "out/refinement")
+    add_only(parser, SITES)
+    add_table(parser)
+
+
+class Runs:
+    """Runs of the baseline and of what it is compared with, each kept as it comes."""
+
+    def __init__(self, args):
+        self.sites, self.out, self.commit = refine.Sites(args), args.out / "nlo", commit()
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.numbers = read_results(STORE, {"runs": {}})
+
+    def score(self, site, name, options):
+        given, truth, more = self.sites.of(site)
+        file, before = self.out / f"{site}.gpkg", self.out / f"{site}.map.gpkg"
+        tool = self.sites.tool
+        if not before.exists():
+            tool("refine", "--osm", given["osm"], "--labels", given["labels"], "-o", before, "--method", "none")
+        seconds = tool.timed("refine", "--osm", given["osm"], "--labels", given["labels"], "-o", file, *options)
+        scores = tool.json("evaluate", "roads", file, truth, "--before", before, *more, "--json")
+        self.numbers["runs"][f"{site}, {name}"] = {
+            "commit": self.commit,
+            "seconds": round(seconds, 2),
+            **{k: scores[k] for k in ("surface_iou", "width_variance_m2", "offset_m", "width_m")},
+        }
+        write_results(STORE, self.numbers)
+        print(site, name, fixed(100 * scores["surface_iou"]), fixed(scores["width_variance_m2"], 3), flush=True)
+
+    def measure(self, site):
+        given = self.sites.of(site)[0]
+        self.score(site, "map", ["--method", "none"])
+        self.score(site, "default", ["--road-probability", given["probability"]])
+        for name, (options, *_) in ROWS.items():
+            self.score(site, name, ["--method", "nlo", *options])
+        for name, options in OPEN.items():
+            for weights in ("1", "1+2"):
+                self.score(site, f"{name}, {weights}", ["--method", "nlo", "--weights", weights, *options])
+
+
+def published_table(runs):
+    sites = [s for s in SITES if f"{s}, set 1, 1 x 20" in runs]
+    text = header(["IoU %, variance of the width m2", "thesis", *(SITES[s] for s in sites)])
+    for name, published in [("map", ""), *((n, f"{iou}, {var}") for n, (_, iou, var) in ROWS.items()), ("default", "")]:
+        found = [runs[f"{s}, {name}"] for s in sites]
+        text += row(
+            [name, published, *(f"{percent(r['surface_iou'], 2)}, {fixed(r['width_variance_m2'], 3)}" for r in found)]
+        )
+    return text
+
+
+def open_table(runs):
+    sites = [s for s in SITES if f"{s}, as it is, 1" in runs]
+    text = header(["IoU %: set 1, set 1+2", *(SITES[s] for s in sites)])
+    for name in OPEN:
+        found = [[runs[f"{s}, {name}, {w}"] for w in ("1", "1+2")] for s in sites]
+        text += row([name, *(", ".join(percent(r["surface_iou"]) for r in both) for both in found)])
+    return text
+
+
+def run(args):
+    if not args.table:
+        runs = Runs(args)
+        for site in args.only:
+            runs.measure(site)
+    runs = read_results(STORE, {"runs": {}})["runs"]
+    write_page(PAGE, [STORE], {"table 3.4": published_table(runs), "open": open_table(runs)})
