@@ -97,7 +97,7 @@ class Runs:
 
 
 def published_table(runs):
-    sites = [s for s in SITES if f"{s}, set 1, 1 x 20" in runs]
+    sites = [s for s in SITES if all(f"{s}, {name}" in runs for name in ("map", "default", *ROWS))]
     text = header(["IoU %, variance of the width m2", "thesis", *(SITES[s] for s in sites)])
     for name, published in [("map", ""), *((n, f"{iou}, {var}") for n, (_, iou, var) in ROWS.items()), ("default", "")]:
         found = [runs[f"{s}, {name}"] for s in sites]
@@ -108,7 +108,7 @@ def published_table(runs):
 
 
 def open_table(runs):
-    sites = [s for s in SITES if f"{s}, as it is, 1" in runs]
+    sites = [s for s in SITES if all(f"{s}, {name}, {w}" in runs for name in OPEN for w in ("1", "1+2"))]
     text = header(["IoU %: set 1, set 1+2", *(SITES[s] for s in sites)])
     for name in OPEN:
         found = [[runs[f"{s}, {name}, {w}"] for w in ("1", "1+2")] for s in sites]

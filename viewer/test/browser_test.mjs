@@ -13,7 +13,7 @@ import {checkGround} from './ground_checks.mjs';
 import {checkHostileTexts} from './hostile_checks.mjs';
 import {checkLayers} from './layer_checks.mjs';
 import {checkNarrow, checkTouch} from './narrow_checks.mjs';
-import {readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
+import {readLap, sceneShot, showAll, sparse, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures, pictureStatistics} from './pictures.mjs';
 import {openBrowser, serveSite} from './serve_and_open.mjs';
 
@@ -219,7 +219,7 @@ async function checkBrokenTile(context, url) {
     await page.route(`**/${withParent[0]}`, breakTile);
     const {origin} = findTile(tileset.root, withParent[0]).extras;
     const near = [origin[0] + 1, origin[1] - 60, origin[2] + 60]; // so near that the finest level is asked for
-    await page.goto(`${url}?play=0&camera=fly&eye=${near.join(',')}&target=${origin.join(',')}`);
+    await page.goto(`${url}?play=0&camera=fly&${sparse}&eye=${near.join(',')}&target=${origin.join(',')}`);
     await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {
       timeout: 240_000,
     });
@@ -258,9 +258,11 @@ async function checkWhatComesAfter(context, page, url) {
   await checkFollowCamera(page);
   await checkLayers(page, siteDir);
   writeFileSync(join(siteDir, 'viewer_ground.png'), await checkGround(context, url));
+  await showAll(page, false); // a page drives a quarter of a second a picture at most
   await checkPlaying(page);
   await checkDriving(page, siteDir);
   await checkDashboard(context, page, url, siteDir);
+  await showAll(page, true);
   await checkGhost(context, url, siteDir);
   await checkCameras(page);
   await checkClick(page);
@@ -281,8 +283,7 @@ const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
 const server = await serveSite(tool, siteDir);
 let context;
 try {
-  // A processor draws: what comes after the first pictures is looked at with a quarter of the pixels.
-  context = await openBrowser(profile, {pixels: part === 'rest' ? 0.5 : 1});
+  context = await openBrowser(profile);
   const page = context.pages()[0] ?? (await context.newPage());
   const problems = [];
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));

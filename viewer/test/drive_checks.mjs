@@ -6,7 +6,7 @@ import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
-import {changedLap, readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
+import {changedLap, readLap, sceneShot, sparse, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures} from './pictures.mjs';
 
 /** Where the lap turns least in the next seconds: a car whose wheel nobody holds stays on the road there. */
@@ -113,7 +113,7 @@ export async function checkDashboard(context, page, url, siteDir) {
     );
     const other = await context.newPage();
     await other.route('**/site/drive/lap.csv', (route) => route.fulfill({body: csv}));
-    await other.goto(`${url}?play=0&camera=follow&t=8`);
+    await other.goto(`${url}?play=0&camera=follow&t=8&${sparse}`);
     await waitUntilDrawn(other);
     const shown = await readDashboard(other);
     for (const id of dashboardParts)
@@ -130,7 +130,7 @@ export async function checkGhost(context, url, siteDir) {
   const faster = changedLap(siteDir, (row) => ({...row, t_s: row.t_s * factor, speed_mps: row.speed_mps / factor}));
   const page = await context.newPage();
   await page.route(`**/site/${lapFolder}/lap.csv`, (route) => route.fulfill({body: faster}));
-  await page.goto(`${url}?play=0&camera=follow&t=4&ghost=${lapFolder}/lap.csv`);
+  await page.goto(`${url}?play=0&camera=follow&t=4&${sparse}&ghost=${lapFolder}/lap.csv`);
   await waitUntilDrawn(page);
   const state = async (t_s) => {
     await page.evaluate((t) => window.orthodrive.setTime(t), t_s);

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import {join} from 'node:path';
 
-import {waitUntilDrawn} from './page_helpers.mjs';
+import {sparse, waitUntilDrawn} from './page_helpers.mjs';
 
 const telephone = {width: 390, height: 780};
 
@@ -64,7 +64,7 @@ export async function checkTouch(context, url, siteDir) {
   await page.setViewportSize(telephone);
   const session = await context.newCDPSession(page);
   await session.send('Emulation.setTouchEmulationEnabled', {enabled: true, maxTouchPoints: 2});
-  await page.goto(`${url}?play=0&camera=orbit&t=8`);
+  await page.goto(`${url}?play=0&camera=orbit&t=8&${sparse}`);
   await waitUntilDrawn(page);
   const touch = (type, ...points) =>
     session.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
