@@ -107,6 +107,25 @@ TEST(Trainer, map_only_leaves_the_rest_as_it_is) {
   EXPECT_NE(classes.weights().tensors.at("head/kernel").values, start.tensors.at("head/kernel").values);
 }
 
+/// As the reference trains it (sec. 2.4): the network's learning rate is 0 and the CRF learns all the same.
+TEST(Trainer, crf_learns_on_a_frozen_network) {
+  TrainOptions options = toy_options();
+  options.learning_rate = 0.0, options.freeze_norm_from_step = 0, options.warmup_steps = 1;
+  options.crf = CrfTraining{reference_crf(8), 0.1, 0.0};
+  Trainer trainer(fresh_weights(), "fresh", default_metadata(), options);
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  for (int i = 0; i < 3; ++i) static_cast<void>(trainer.advance(scenes));
+  const TensorFile start = fresh_weights(), end = trainer.weights();
+  for (const auto& [name, tensor] : start.tensors) EXPECT_TRUE(end.tensors.at(name).values == tensor.values) << name;
+  const std::optional<CrfModel> learned = read_crf(trainer.model_file(), 8, "model");
+  ASSERT_TRUE(learned);
+  for (std::size_t c = 0; c < 8; ++c) {
+    const double ratio = learned->parameters.appearance_weight[c] / options.crf->start.parameters.appearance_weight[c];
+    EXPECT_TRUE(std::isfinite(ratio) && std::abs(std::log(ratio)) < 0.4) << "at most a tenth a step: " << ratio;
+  }
+  EXPECT_NE(learned->parameters.appearance_weight, options.crf->start.parameters.appearance_weight);
+}
+
 TEST(Trainer, resumed_run_gives_the_same_weights) {
   const std::vector<TrainingScene> scenes{toy_scene()};
   Trainer straight = toy_trainer();

@@ -31,21 +31,22 @@ namespace {
 constexpr double adam_beta1 = 0.9, adam_beta2 = 0.999, adam_eps = 1e-8;  // Kingma and Ba, 2015
 constexpr std::int64_t report_every = 10;
 
-double learning_rate_at(const TrainOptions& options, std::int64_t step) {
+/// Share of the peak of the learning rates.
+double schedule_at(const TrainOptions& options, std::int64_t step) {
   const auto t = static_cast<double>(step);
-  if (step < options.warmup_steps) return options.learning_rate * (t + 1.0) / static_cast<double>(options.warmup_steps);
-  if (step < options.decay_from_step) return options.learning_rate;
+  if (step < options.warmup_steps) return (t + 1.0) / static_cast<double>(options.warmup_steps);
+  if (step < options.decay_from_step) return 1.0;
   const double left = static_cast<double>(options.steps - step) /
                       static_cast<double>(std::max<std::int64_t>(1, options.steps - options.decay_from_step));
-  return options.learning_rate * 0.5 * (1.0 - std::cos(std::numbers::pi * std::clamp(left, 0.0, 1.0)));
+  return 0.5 * (1.0 - std::cos(std::numbers::pi * std::clamp(left, 0.0, 1.0)));
 }
 
 /// A tensor that learns, with its running moments.
 struct Learned {
   std::string name;
   at::Tensor value, first_moment, second_moment;
-  double rate_factor = 1.0;
-  double decay = 0.0;  ///< towards zero
+  double peak_rate = 0.0;  ///< of learning, where the schedule is 1
+  double decay = 0.0;      ///< towards zero
 };
 
 NamedTensor copy_of(const at::Tensor& tensor) {
@@ -147,9 +148,12 @@ struct Trainer::State {
       const Layer& layer = graph.layers[i];
       LayerParams& p = params[i];
       if (options.map_only != layer.of_map) continue;
-      const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
+      const double rate = options.learning_rate * (layer.pretrained ? options.trunk_rate_factor : 1.0);
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
-        learn(name, value, factor, decays ? options.weight_decay : 0.0);
+        if (network_is_frozen())
+          value = value.to(device);
+        else
+          learn(name, value, rate, decays ? options.weight_decay : 0.0);
       };
       if (!p.kernel.defined()) continue;
       add(layer.kernel_tensor, p.kernel, !layer.depthwise);
@@ -162,19 +166,22 @@ struct Trainer::State {
     }
     if (!options.crf) return;
     const std::int64_t n = graph.class_count;
-    const double factor = options.crf->learning_rate / options.learning_rate;
+    const double rate = options.crf->learning_rate, decay = options.crf->shrinkage;
     crf_log_appearance = at::zeros({n});
     crf_log_smoothness = at::zeros({n});
     crf_compatibility = at::zeros({n, n});
-    learn("crf/log_appearance", crf_log_appearance, factor, options.crf->shrinkage / factor);
-    learn("crf/log_smoothness", crf_log_smoothness, factor, options.crf->shrinkage / factor);
-    learn("crf/compatibility_change", crf_compatibility, factor, options.crf->shrinkage / factor);
+    learn("crf/log_appearance", crf_log_appearance, rate, decay);
+    learn("crf/log_smoothness", crf_log_smoothness, rate, decay);
+    learn("crf/compatibility_change", crf_compatibility, rate, decay);
   }
 
-  void learn(const std::string& name, at::Tensor& value, double factor, double decay) {
+  /// The reference's way (sec. 2.4): the CRF alone learns, on a network that stays as it is.
+  [[nodiscard]] bool network_is_frozen() const { return options.crf && options.learning_rate == 0.0; }
+
+  void learn(const std::string& name, at::Tensor& value, double peak_rate, double decay) {
     value = value.to(device).set_requires_grad(true);
     at::Tensor second = options.solver == Solver::adamw ? at::zeros_like(value) : at::Tensor();
-    learned.push_back({name, value, at::zeros_like(value), std::move(second), factor, decay});
+    learned.push_back({name, value, at::zeros_like(value), std::move(second), peak_rate, decay});
   }
 
   /// The CRF as learned so far.
@@ -246,14 +253,15 @@ struct Trainer::State {
     return {loss.loss, d_scores.permute({0, 3, 1, 2}).to(scores.device())};
   }
 
-  void update_weights(double rate) {
+  void update_weights() {
     const at::NoGradGuard no_grad;
     const auto t = static_cast<double>(step + 1);
+    const double schedule = schedule_at(options, step);
     const double correction1 = 1.0 - std::pow(adam_beta1, t), correction2 = 1.0 - std::pow(adam_beta2, t);
     for (Learned& l : learned) {
       at::Tensor& gradient = l.value.mutable_grad();
       if (!gradient.defined()) continue;
-      const double own_rate = rate * l.rate_factor;
+      const double own_rate = schedule * l.peak_rate;
       if (options.solver == Solver::sgd) {  // Caffe: v = m v + rate (g + decay w); w -= v
         if (l.decay > 0.0) gradient.add_(l.value, l.decay);
         l.first_moment.mul_(options.momentum).add_(gradient, own_rate);
@@ -341,7 +349,9 @@ Trainer::Trainer(Trainer&&) noexcept = default;
 Trainer& Trainer::operator=(Trainer&&) noexcept = default;
 
 std::int64_t Trainer::step() const { return state_->step; }
-double Trainer::learning_rate() const { return learning_rate_at(state_->options, state_->step); }
+double Trainer::learning_rate() const {
+  return state_->options.learning_rate * schedule_at(state_->options, state_->step);
+}
 const ModelMetadata& Trainer::metadata() const { return state_->metadata; }
 
 double Trainer::advance(const std::vector<TrainingScene>& scenes) {
@@ -390,8 +400,8 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
                     "the last checkpoint",
                     s.step));
   }
-  (options.map_only ? outputs : values).backward(loss.gradient);
-  s.update_weights(learning_rate());
+  if (!s.network_is_frozen()) (options.map_only ? outputs : values).backward(loss.gradient);
+  s.update_weights();
   if (options.average_from_step >= 0 && s.step >= options.average_from_step) s.mean.add(s.params);
   ++s.step;
   return loss.loss;

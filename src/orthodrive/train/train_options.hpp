@@ -22,7 +22,7 @@ enum class Solver {
 struct CrfTraining {
   CrfModel start;
   double learning_rate = 0.02;  ///< relative change a step, at the peak of the schedule
-  double shrinkage = 0.05;      ///< decoupled decay towards the start
+  double shrinkage = 0.05;      ///< decoupled decay towards the start, times the rate a step
 };
 
 /// The learning rate rises linearly over `warmup_steps`, stays, and falls as a half cosine to 0 from `decay_from_step`
