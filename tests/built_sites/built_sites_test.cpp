@@ -53,7 +53,8 @@ TEST_P(BuiltSite, has_every_file_and_a_record_of_every_stage) {
 TEST_P(BuiltSite, road_network_is_valid_and_sumo_finds_every_road) {
   if (!fs::exists(opendrive_schema)) GTEST_SKIP() << "SKIPPED: no OpenDRIVE schema beside the checkout";
   expect_valid_opendrive(folder / "roads.xodr");
-  expect_sumo_finds_all_roads(folder / "roads.xodr", folder / ".orthodrive");
+  const Scratch scratch;
+  expect_sumo_finds_all_roads(folder / "roads.xodr", scratch.folder());
 }
 
 TEST_P(BuiltSite, road_network_hangs_together) {
