@@ -256,9 +256,9 @@ async function checkNoWebGl(context, url) {
 
 async function checkWhatComesAfter(context, page, url) {
   await checkFollowCamera(page);
+  await showAll(page, false); // a page drives a quarter of a second a picture at most
   await checkLayers(page, siteDir);
   writeFileSync(join(siteDir, 'viewer_ground.png'), await checkGround(context, url));
-  await showAll(page, false); // a page drives a quarter of a second a picture at most
   await checkPlaying(page);
   await checkDriving(page, siteDir);
   await checkDashboard(context, page, url, siteDir);
