@@ -22,7 +22,7 @@ using namespace test;
 
 const std::vector<NloPass> set_1{nlo_set_1}, set_2{nlo_set_2}, set_1_then_2{nlo_set_1, nlo_set_2};
 
-const RoadError& print(const char* what, const RoadError& e) {
+RoadError print(const char* what, const RoadError& e) {
   std::printf("%s: offset mean %.3f max %.3f m, width mean %.3f max %.3f m (%d nodes)\n", what, e.mean_offset_m,
               e.max_offset_m, e.mean_width_m, e.max_width_m, e.count);
   return e;

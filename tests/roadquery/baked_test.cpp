@@ -134,7 +134,7 @@ TEST(RoadQuery, height_alone_is_the_hits_height) {
     const auto z = query.find_height(x, y, 200.0, b);
     ASSERT_EQ(hit.has_value(), z.has_value());
     EXPECT_EQ(a.station, b.station);
-    if (!hit) continue;
+    if (!hit || !z) continue;
     ++hits;
     EXPECT_EQ(hit->z, *z);
   }
@@ -172,11 +172,15 @@ TEST(RoadQuery, numbers_that_are_none_have_defined_answers) {
   for (const double guess :
        {not_a_number, infinity, -infinity, 1e300}) {  // the surface there is, however far the guess
     Cursor cursor{0, 50.0};
-    EXPECT_EQ(query.find(50.0, 1.0, guess, cursor).value().z, 5.0);
+    const auto hit = query.find(50.0, 1.0, guess, cursor);
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit->z, 5.0);
   }
   EXPECT_FALSE(query.at(0, not_a_number, 0.0));
   EXPECT_FALSE(query.at(7, 1.0, 0.0));
-  EXPECT_EQ(query.at(0, 1e9, 0.0).value().s, 100.0);
+  const auto end = query.at(0, 1e9, 0.0);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->s, 100.0);
   for (const double s : {not_a_number, infinity, -1e300}) {
     Cursor cursor{0, s};
     EXPECT_TRUE(query.find(50.0, 1.0, 5.0, cursor)) << "a cursor with a broken s";
@@ -190,9 +194,12 @@ TEST(RoadQuery, guess_half_way_between_two_decks_takes_the_first_road) {
   const RoadQuery query(map);
   Cursor cursor;
   const auto first = query.find(0.5, 0.5, 13.0, cursor);
+  ASSERT_TRUE(first);
   for (int i = 0; i < 3; ++i) {
     Cursor again;
-    EXPECT_EQ(query.find(0.5, 0.5, 13.0, again).value().road, first.value().road);
+    const auto next = query.find(0.5, 0.5, 13.0, again);
+    ASSERT_TRUE(next);
+    EXPECT_EQ(next->road, first->road);
   }
   EXPECT_EQ(first->road, 0);
 }
