@@ -2,6 +2,7 @@
 // orthodrive refine: OSM roads moved onto the road in the labels, or by the MRF baseline in the photo.
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,13 +32,14 @@ struct RefineCommand {
 /// "1+2": one pass after the other, each a set of the reference's or four weights: "10,1,0.2,0.2".
 std::vector<NloPass> nlo_passes(const std::string& text) {
   std::vector<NloPass> passes;
-  for (const std::string& pass : CLI::detail::split(text, '+')) {
+  for (const std::string& pass : CLI::detail::split(text + '+', '+')) {
     NloPass weights = pass == "2" ? nlo_set_2 : nlo_set_1;
     if (pass != "1" && pass != "2") {
-      const std::vector<std::string> words = CLI::detail::split(pass, ',');
+      const std::vector<std::string> words = CLI::detail::split(pass + ',', ',');
       std::array<double, 4> numbers{};
       bool good = words.size() == numbers.size();
-      for (std::size_t i = 0; good && i < numbers.size(); ++i) good = CLI::detail::lexical_cast(words[i], numbers[i]);
+      for (std::size_t i = 0; good && i < numbers.size(); ++i)
+        good = CLI::detail::lexical_cast(words[i], numbers[i]) && std::isfinite(numbers[i]);
       if (!good)
         throw OptionError(fmt::format(
             "--weights {}: '{}' is neither set 1 nor 2 nor four numbers w_c,w_a,w_w,w_o such as 10,1,0.2,0.2", text,
@@ -134,7 +136,7 @@ void add_standard_options(CLI::App* cmd, RefineCommand& command) {
   of.add(cmd->add_option("--gpx", command.files.gpx,
                          "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated"),
          {"default"});
-  of.add(add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left"), {"default"});
+  add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left")->needs("--gpx");
   of.add(cmd->add_option("--search-radius", command.search_radius_m,
                          fmt::format("largest offset from the OSM line, m; default: {}, of nlo {}, of mrf {}",
                                      o.standard.search_radius_m, o.nlo.max_offset_m, o.mrf.search_radius_m))

@@ -6,7 +6,6 @@
 namespace orthodrive {
 namespace {
 
-using testing::AnyOf;
 using testing::HasSubstr;
 
 const std::vector<std::string> commands{"new",     "build",    "plan",    "synth",   "train", "segment",
@@ -63,6 +62,48 @@ TEST(CommandLine, numbers_out_of_range_are_usage_errors) {
     SCOPED_TRACE(arguments[2]);
     EXPECT_EQ(run_tool(arguments).exit_code, 2);
   }
+}
+
+TEST(CommandLine, options_of_refine_that_would_change_nothing_are_refused) {
+  const Scratch scratch;
+  const std::string missing = scratch / "missing";
+  const auto refuses = [&](const std::string& named, const Arguments& options) {
+    Arguments arguments{"refine", "--osm", missing, "-o", scratch / "out.gpkg"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    SCOPED_TRACE(testing::PrintToString(options));
+    const ToolRun run = run_tool(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, testing::HasSubstr(named));
+  };
+  const Arguments none{"--method", "none"}, nlo{"--method", "nlo"}, mrf{"--method", "mrf"}, standard{};
+  struct Idle {
+    Arguments option;
+    std::vector<Arguments> methods;  ///< that do not read it
+  };
+  const std::vector<Idle> idle{{{"--labels", missing}, {mrf}},
+                               {{"--road-probability", missing}, {nlo, mrf, none}},
+                               {{"--alignment", missing}, {nlo, mrf, none}},
+                               {{"--weights-file", missing}, {nlo, mrf, none}},
+                               {{"--gpx", missing}, {nlo, mrf, none}},
+                               {{"--search-radius", "3"}, {none}},
+                               {{"--iterations", "3"}, {mrf, none}},
+                               {{"--weights", "1"}, {standard, mrf, none}},
+                               {{"--width-factors", "0.5", "2"}, {standard, mrf, none}},
+                               {{"--strip", "1"}, {standard, mrf, none}},
+                               {{"--spacing", "1"}, {standard, mrf, none}},
+                               {{"--unlabelled-cost", "1"}, {standard, mrf, none}},
+                               {{"--filter-and-join"}, {standard, mrf, none}},
+                               {{"--photo", missing}, {standard, nlo, none}},
+                               {{"--forests", missing}, {standard, nlo, none}},
+                               {{"--polygons", "dp"}, {standard, nlo, none}}};
+  for (const Idle& i : idle)
+    for (Arguments method : i.methods) {
+      method.insert(method.end(), i.option.begin(), i.option.end());
+      refuses(i.option.front() + " changes nothing with --method", method);
+    }
+  refuses("--gpx", {"--driving-side", "left"});
+  for (const char* weights : {"3", "1+", "10,1,0.2", "10,1,0.2,x", "10,1,0.2,inf"})
+    refuses("--weights " + std::string(weights), {"--method", "nlo", "--weights", weights});
 }
 
 TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The reference's nonlinear optimisation (baselines/nlo_roads): table 3.4 of the thesis on our sites, and how much its
-results hang on what the thesis leaves open. Writes docs/measured/nlo.md. Half an hour on two cores.
+results hang on what the thesis leaves open. Writes docs/measured/nlo.md. 35 runs a site.
 """
 
 from measuring import refine
@@ -104,15 +104,21 @@ def published_table(runs):
         text += row(
             [name, published, *(f"{percent(r['surface_iou'], 2)}, {fixed(r['width_variance_m2'], 3)}" for r in found)]
         )
-    return text
+    missing = [title for site, title in SITES.items() if site not in sites]
+    return text + (f"\nNot measured yet: {', '.join(missing)}.\n" if missing else "")
 
 
 def open_table(runs):
     sites = [s for s in SITES if all(f"{s}, {name}, {w}" in runs for name in OPEN for w in ("1", "1+2"))]
-    text = header(["IoU %: set 1, set 1+2", *(SITES[s] for s in sites)])
+    text = header(["IoU %: set 1, set 1+2", *(SITES[s] for s in sites), "largest change of set 1+2, points"])
     for name in OPEN:
         found = [[runs[f"{s}, {name}, {w}"] for w in ("1", "1+2")] for s in sites]
-        text += row([name, *(", ".join(percent(r["surface_iou"]) for r in both) for both in found)])
+        changes = [
+            both[1]["surface_iou"] - runs[f"{s}, as it is, 1+2"]["surface_iou"]
+            for s, both in zip(sites, found, strict=True)
+        ]
+        largest = percent(max(changes, key=abs, default=None))
+        text += row([name, *(", ".join(percent(r["surface_iou"]) for r in both) for both in found), largest])
     return text
 
 

@@ -9,14 +9,13 @@
 
 namespace orthodrive::baselines {
 
-/// c of eq. 3.3 for each label value; the entry of label_nodata is that of all that has no label, beyond the raster,
-/// too.
+/// c of eq. 3.3 for each label value. The entry at label_nodata also stands for pixels outside the raster.
 struct LabelCosts {
   std::array<float, 256> outside;  ///< false positives: in the context strips
   std::array<float, 256> inside;   ///< false negatives: in the boundary strips
 };
-/// Thesis table 3.2: the costs of the table, but vegetation costs 1 inside, which ours lets pass for half a road. What
-/// has no label is no road: 0 outside and `unlabelled_cost` (0 to 1) inside.
+/// The costs of the class table, but vegetation inside a road costs 1 as in thesis table 3.2; in our default table it
+/// costs 0.5. A pixel without a label costs `unlabelled_cost` (0 to 1) inside and 0 outside.
 [[nodiscard]] LabelCosts label_costs(const ClassTable& classes, double unlabelled_cost);
 
 /// A quadrilateral along a piece of a road's border, in the site CRS. It may fold over itself in a tight bend.

@@ -19,10 +19,9 @@
 // region.
 // - Resampling keeps every OSM node and divides what is between two of them evenly.
 // - A closed way stays closed: its last node is its first. Nodes at one place have one offset and one width.
-// - Offsets and widths have bounds (the solver's own). Without them nothing holds a node of set 2 back: an angle costs
-// at
-//   most pi, w_o is 0, and a strip of no road at all has one cost wherever it lies. "Already quite close to the optimum
-//   solution" (sec. 3.3.2) says how far a road may go.
+// - Offsets and widths have bounds, which the solver keeps. Without them nothing holds a node of set 2 back: an angle
+//   costs at most pi, w_o is 0, and a strip without any road costs the same wherever it lies. The thesis calls the map
+//   "already quite close to the optimum solution" (sec. 3.3.2).
 // - What has no label is no road (table 3.2, "other"), also beyond the raster: sec. 3.3 has labels everywhere. Nodes
 //   without a label in any strip beside them keep the OSM line.
 
