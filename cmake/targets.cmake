@@ -67,18 +67,22 @@ function(orthodrive_shared_library TARGET KIND NAME FOLDER)
   target_link_options(${TARGET} PRIVATE LINKER:-Bsymbolic-functions,--as-needed,--no-undefined)
 endfunction()
 
-# A part of the tool that a command loads when it needs it: lib/orthodrive/parts/NAME.so, of what the rooms have given to it.
-# orthodrive::part_NAME is the same for programs that link the rooms, such as tests. DEPS and LIBS as above.
+# A part of the tool that a command loads when it needs it: lib/orthodrive/parts/NAME.so, of what the rooms have given to it and
+# its table, pipeline/part_NAME.cpp. orthodrive::part_NAME is the same without the table for programs that link the rooms, such as
+# tests. DEPS and LIBS as above.
 function(orthodrive_part NAME)
   cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
   get_property(SOURCES GLOBAL PROPERTY ORTHODRIVE_PART_SOURCES_${NAME})
   list(TRANSFORM A_DEPS PREPEND orthodrive::)
-  add_library(orthodrive_part_${NAME} STATIC ${SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/part_${NAME}.cpp)
+  add_library(orthodrive_part_${NAME} STATIC ${SOURCES})
   add_library(orthodrive::part_${NAME} ALIAS orthodrive_part_${NAME})
   target_include_directories(orthodrive_part_${NAME} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   target_compile_options(orthodrive_part_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
   target_link_libraries(orthodrive_part_${NAME} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
-  orthodrive_shared_library(orthodrive_${NAME}_so MODULE ${NAME} parts $<TARGET_OBJECTS:orthodrive_part_${NAME}>)
+  orthodrive_shared_library(orthodrive_${NAME}_so MODULE ${NAME} parts $<TARGET_OBJECTS:orthodrive_part_${NAME}>
+    ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/part_${NAME}.cpp)
+  target_include_directories(orthodrive_${NAME}_so PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_compile_options(orthodrive_${NAME}_so PRIVATE ${ORTHODRIVE_WARNINGS})
   target_link_libraries(orthodrive_${NAME}_so PRIVATE orthodrive_library orthodrive_core_library ${A_LIBS})
   add_dependencies(orthodrive_parts orthodrive_${NAME}_so)
 endfunction()

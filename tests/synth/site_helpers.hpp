@@ -6,13 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/synth/make_site.hpp"
 #include "orthodrive/synth/site_plan.hpp"
+#include "orthodrive/synth/terrain.hpp"
 
 namespace orthodrive::synth {
 
@@ -36,6 +40,19 @@ inline std::string fingerprint(const SynthSite& site) {
       for (const double v : {n.p.x, n.p.y, n.s_m, n.offset_m, n.width_m, n.z_m, n.gradient, n.banking}) add(v);
   for (const SynthSurface& surface : site.surfaces) add(surface.visibility);
   return hash_bytes(all);
+}
+
+/// A plan and its terrain, made once for all that is asked of them.
+struct Planned {
+  SitePlan plan;
+  Terrain terrain;
+};
+inline const Planned& planned(SitePlan (*make)(double, std::uint64_t), double size_m, std::uint64_t seed) {
+  static std::map<std::tuple<SitePlan (*)(double, std::uint64_t), double, std::uint64_t>, Planned> all;
+  const std::tuple key{make, size_m, seed};
+  if (const auto made = all.find(key); made != all.end()) return made->second;
+  const SitePlan plan = make(size_m, seed);
+  return all.emplace(key, Planned{plan, make_terrain(plan, seed)}).first->second;
 }
 
 inline std::size_t circuit_of(const SitePlan& plan) {

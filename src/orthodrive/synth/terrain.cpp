@@ -441,8 +441,11 @@ bool find_nearest(const SamplesOfRoad& samples, const GridFrame& frame, const Te
       for (int col = col0; col < col1; ++col) {
         const Vec2 p = frame.center_of(col, row);
         const double t = std::clamp(dot(p - a.p, d) / n2, 0.0, 1.0);
-        const double distance_m = distance(p, a.p + d * t);
+        const Vec2 foot = a.p + d * t, apart = p - foot;
         Near& best = near[band.cell(frame, col, row)];
+        // Most segments of a road are farther than the best so far: its square says so before the root, up to rounding.
+        if (dot(apart, apart) > best.distance_m * best.distance_m * (1.0 + 1e-9)) continue;
+        const double distance_m = distance(p, foot);
         if (distance_m < best.distance_m)
           best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m),
                   a.banking + t * (b.banking - a.banking), a.half_width_m + t * (b.half_width_m - a.half_width_m)};
