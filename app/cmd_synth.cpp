@@ -48,6 +48,9 @@ void add_synth(CLI::App& app, Context& context) {
                               fmt::join(world_names, ", ")));
   cmd->add_option("--textures", arguments->files.textures,
                   "folder with textures of real photos for its surfaces (tools/paint quilt)");
+  cmd->add_option("--classes", arguments->files.classes,
+                  "class table of the labels, as models/classes/reference-38.toml; the site then has a quarry, a "
+                  "railway, a farm and what else those classes name");
   CLI::Option* size =
       cmd->add_option(
              "--size", options.size_m,
@@ -73,6 +76,7 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
+      "--preset circuit --classes models/classes/reference-38.toml -o sites/circuit\n  orthodrive synth "
       "--preset lanes --world random --seed 5 --size 800 --gsd 0.4 -o sites/lanes\n  orthodrive synth "
       "--from-track track.csv --track-osm track.osm -o sites/track\n"
       "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region, a conurbation and a track with a size are made tile by "

@@ -13,6 +13,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/network_spec.hpp"
 #include "orthodrive/pipeline/toml_section.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
@@ -166,6 +167,9 @@ StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOption
   made.threads = context.threads;
   std::optional<PhotoTextures> textures;
   if (!files.textures.empty()) made.textures = &textures.emplace(read_textures(files.textures));
+  std::optional<ClassTable> classes;
+  if (!files.classes.empty())
+    made.classes = &classes.emplace(parse_class_table(io::read_file(files.classes), files.classes));
   SynthSite site;
   if (!files.track.empty()) {
     site = make_track_site(files, made, context);

@@ -14,6 +14,7 @@ struct SynthFiles {
   std::filesystem::path track_heights;  ///< CSV of heights along it; empty: made-up hills
   double track_size_m = 0.0;            ///< edge of the site round the track; 0: as small as can be
   std::filesystem::path textures;       ///< folder that `tools/paint quilt` wrote; empty: none
+  std::filesystem::path classes;        ///< class table of the labels (TOML); empty: the default one
   std::filesystem::path folder;         ///< written: site.toml (last), its sources, and the truth in truth/
 };
 

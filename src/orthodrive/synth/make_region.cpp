@@ -240,7 +240,7 @@ void stream_pictures(const Region& region, ObjectCells& cells, std::vector<Synth
         [&](const RegionPicture& picture) {
           const GridFrame frame = window_of(site_frame, picture.box);
           for (const std::uint32_t i : index.touching(frame.bounds()))
-            seen[i].count(surfaces[i].polygon, picture.labels, frame);
+            seen[i].count(surfaces[i].polygon, picture.labels, frame, default_class_table());
           sink.picture(picture);
         });
     report(++rows_done / static_cast<double>(rows.size()));
@@ -257,6 +257,8 @@ RegionFrames region_frames(const SitePlan& plan, const SynthOptions& options) {
   if (!options.world.empty()) throw OptionError("sites that are made tile by tile have no worlds: leave out --world");
   if (options.textures)
     throw OptionError("sites that are made tile by tile have no textures of photos: leave out --textures");
+  if (options.classes)
+    throw OptionError("sites that are made tile by tile have the default classes: leave out --classes");
   const Vec2 corner = plan.world_from_local;
   const double size = plan.size_m;
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));

@@ -10,6 +10,8 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/disturb_osm.hpp"
+#include "orthodrive/synth/label_classes.hpp"
+#include "orthodrive/synth/landmarks.hpp"
 #include "orthodrive/synth/paint_ortho.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"
@@ -45,7 +47,7 @@ std::vector<SynthSurface> seen_surfaces(const SynthSite& site) {
   std::vector<SynthSurface> surfaces = true_surfaces(site.roads);
   for (SynthSurface& surface : surfaces) {
     SeenPixels seen;
-    seen.count(surface.polygon, site.labels.labels, site.labels.frame);
+    seen.count(surface.polygon, site.labels.labels, site.labels.frame, site.labels.classes);
     surface.visibility = seen.share();
   }
   return surfaces;
@@ -57,6 +59,7 @@ void check_synth_options(const SynthOptions& o) {
   if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
     throw OptionError(
         fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
+  if (o.classes) check_synth_classes(*o.classes);
 }
 
 SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Monitor* monitor) {
@@ -68,6 +71,7 @@ SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Mon
     pave_roads(plan, *world, options.seed);
     plan.only_footpaths = true;
   }
+  if (options.classes) add_landmarks(plan, options.seed);
   const auto report = [&](double fraction) {
     if (monitor) monitor->progress(fraction, "synth");
   };
@@ -99,7 +103,10 @@ SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Mon
   {
     const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
     report(0.35);
-    site.labels = {site.crs, to_world(photo_frame), label_scene(source, scene, options.threads), default_class_table()};
+    site.labels = {site.crs, to_world(photo_frame),
+                   options.classes ? label_scene(source, scene, *options.classes, options.threads)
+                                   : label_scene(source, scene, options.threads),
+                   options.classes ? *options.classes : default_class_table()};
     site.photo = {site.crs, to_world(photo_frame), paint_ortho(source, scene, pixels_of(photo_frame), options.threads),
                   Raster<std::uint8_t>(photo_px, photo_px, 1, 1)};
   }

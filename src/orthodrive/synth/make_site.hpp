@@ -36,6 +36,9 @@ struct SynthOptions {
   int threads = 0;    ///< 0 = all cores; the result does not depend on it
   std::string world;  ///< what the site looks like (synth/world.hpp): a name or "random"; empty: the plain one
   const PhotoTextures* textures = nullptr;  ///< of real photos; none: surfaces as the generator paints them
+  /// Of the labels, with the classes of synth/label_classes.hpp; the site then shows landmarks, too. None: the default
+  /// table.
+  const ClassTable* classes = nullptr;
   int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it
 };
 /// Throws OptionError.
@@ -55,7 +58,7 @@ struct SynthSite {
   Crs crs;  ///< EPSG:32633
   Box2 bounds;
   Photo photo;
-  LabelMap labels;                     ///< what is visible from above, default class table, on the photo's grid
+  LabelMap labels;                     ///< what is visible from above, on the photo's grid
   HeightGrid dtm_1m, dtm_10m;          ///< bare earth with noise; 60 m beyond the bounds
   HeightGrid true_dtm;                 ///< 1 m without noise; bare earth below bridges
   OsmData osm;                         ///< disturbed: roads, buildings, woods, water, parking

@@ -83,6 +83,8 @@ class Painter {
     float roughness = 0.0f;  // how much of the relief's own shading counts
     if (object < 0) {
       albedo = ground(col, row, p);
+      const Cover cover = scene_.cover.at(col, row);
+      if (cover == Cover::rock || cover == Cover::debris || cover == Cover::barrier) roughness = 0.8f;
       if (!scene_.twigs.data.empty()) albedo = under_twigs(albedo, col, row, p);
     } else if (object < counts_.houses) {
       albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], p);
@@ -135,22 +137,33 @@ class Painter {
         return Texture::road;
       case Cover::parking:
       case Cover::paved:
+      case Cover::drive:
+      case Cover::apron:
         return Texture::parking;
       case Cover::field:
       case Cover::meadow:
       case Cover::lawn:
       case Cover::verge:
+      case Cover::orchard:
         return Texture::grass;
       case Cover::garden_bed:
       case Cover::forest_floor:
       case Cover::gravel:
+      case Cover::path:
       case Cover::gravel_trap:
       case Cover::sidewalk:
+      case Cover::dirt:
         return Texture::ground;
       case Cover::water:
+      case Cover::river:
         return Texture::water;
       case Cover::kerb:
       case Cover::pool:
+      case Cover::snow:
+      case Cover::debris:
+      case Cover::rock:
+      case Cover::rails:
+      case Cover::barrier:
         break;
     }
     return std::nullopt;
@@ -215,12 +228,15 @@ class Painter {
       }
       case Cover::forest_floor:
         return mood_.forest_floor * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
-      case Cover::paved: {
+      case Cover::paved:
+      case Cover::drive:
+      case Cover::apron: {
         const float tone = 0.52f + 0.22f * trait(area_id(detail), 25) + 0.03f * fractal(p, 1.0, 26, 3);
         const float red = 0.06f * trait(area_id(detail), 27);
         return {tone + red, tone, tone - 0.03f - 0.5f * red};
       }
-      case Cover::gravel: {
+      case Cover::gravel:
+      case Cover::path: {
         if (source_.world != nullptr) return bare_ground(p);
         const float tone = 0.58f + 0.06f * fractal(p, 0.8, 28, 3);
         return mix({tone, tone * 0.95f, tone * 0.86f}, grass(p, 0.0f, 0.5f), smoothstep(0.1f, 0.7f, noise(p, 0.7, 29)));
@@ -244,8 +260,52 @@ class Painter {
         const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
         return {mood_.water[0] + ripple, mood_.water[1] + ripple, mood_.water[2] + ripple};
       }
+      case Cover::snow:
+        return grey(0.91f + 0.03f * fractal(p, 6.0, 110, 3) + 0.02f * noise(p, 0.7, 111));
+      case Cover::dirt: {
+        const float ruts = 0.08f * fractal(p, 3.0, 112, 4) + 0.05f * noise(p, 0.6, 113);
+        return mood_.soil * (1.0f + ruts);
+      }
+      case Cover::debris: {  // stones of half a metre, with gaps in the shade
+        const float stone =
+            unit_hash(static_cast<int>(std::floor(p.x / 0.5)), static_cast<int>(std::floor(p.y / 0.5)), seed_ + 114);
+        return grey(0.42f + 0.30f * stone + 0.05f * fractal(p, 3.0, 115, 2));
+      }
+      case Cover::rock: {
+        const float crack = std::abs(fractal(p, 3.5, 116, 3)) < 0.03f ? 0.75f : 1.0f;
+        const float tone = (0.55f + 0.10f * fractal(p, 9.0, 117, 4)) * crack;
+        return {tone * 1.02f, tone, tone * 0.95f};
+      }
+      case Cover::river: {  // streaks along the current, foam here and there
+        const float streak = 0.03f * fractal({p.x / 4.0, p.y}, 1.2, 118, 3);
+        const float foam = smoothstep(0.55f, 0.8f, fractal(p, 1.4, 119, 3));
+        return mix({0.20f + streak, 0.27f + streak, 0.25f + streak}, grey(0.8f), 0.6f * foam);
+      }
+      case Cover::rails:
+        return rails(source_.objects.areas[detail].polygon.outer, p);
+      case Cover::orchard:
+        return grass(p, 0.2f, 0.2f);
+      case Cover::barrier: {  // stacks of tyres, some painted
+        const float tyre =
+            unit_hash(static_cast<int>(std::floor(p.x / 0.7)), static_cast<int>(std::floor(p.y / 0.7)), seed_ + 120);
+        return tyre > 0.75f ? Rgb{0.78f, 0.78f, 0.76f} : grey(0.10f + 0.08f * tyre);
+      }
     }
     return grey(0.5f);
+  }
+
+  /// Ballast, sleepers, and the steel of two tracks along the area's first edge.
+  [[nodiscard]] Rgb rails(const Ring& c, Vec2 p) const {
+    constexpr double gauge_m = 1.435, tracks_m = 4.0, sleeper_m = 2.6;
+    const Vec2 along = normalized(c[1] - c[0]), inward = normalized(c[3] - c[0]);
+    const double s = dot(p - c[0], along), d = dot(p - c[0], inward) - 0.5 * distance(c[0], c[3]);
+    const double from_track = std::abs(std::abs(d) - 0.5 * tracks_m), pixel = scene_.frame.gsd_m;
+    const float stones = 0.06f * fractal(p, 0.6, 121, 2);
+    Rgb color{0.46f + stones, 0.42f + stones, 0.38f + stones};
+    if (from_track < 0.5 * sleeper_m && std::abs(std::remainder(s, 0.65)) < 0.13) color = color * 0.8f;
+    const double rail = std::abs(from_track - 0.5 * gauge_m);
+    if (rail < 0.5 * (0.08 + pixel)) color = mix(color, grey(0.70f), static_cast<float>(std::min(1.0, 0.2 / pixel)));
+    return color;
   }
 
   /// Red and white in turn, along the road that it edges.

@@ -165,7 +165,9 @@ void lay_out_paddock(SitePlan& plan, const Straight& straight, const PitLane& pi
                             8.0,
                             0.0,
                             RoofShape::flat,
-                            {0.70f, 0.70f, 0.71f}});
+                            {0.70f, 0.70f, 0.71f},
+                            0,
+                            Use::works});
   const double lots_m = paddock.road_m + paddock.half_width_m;
   for (int i = 0; i < rows_of_lots(plan.size_m); ++i)
     plan.parkings.push_back(lot(mid - 0.1 * half, mid + 0.9 * half, lots_m + lot_depth_m * i, lot_depth_m));

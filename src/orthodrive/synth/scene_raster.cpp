@@ -241,7 +241,8 @@ void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene
           cover = Cover::kerb;
         else if (edge < verge_m && cover == Cover::field)
           cover = Cover::meadow;
-      } else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking)
+      } else if (is_paved(cover) || cover == Cover::gravel || cover == Cover::path || cover == Cover::parking ||
+                 cover == Cover::rails || cover == Cover::river)
         continue;
       else if (walk && edge < source.plan.walk_to_m) {
         if (edge < kerbstone_m || edge >= source.plan.walk_from_m) cover = Cover::sidewalk;
@@ -308,6 +309,14 @@ void spread_twigs(const SceneSource& source, const Tree& t, const Band& band, Sc
                 });
 }
 
+/// Of covers that stand up from the ground.
+float standing_m(Cover cover, Vec2 p, std::uint32_t seed) {
+  if (cover == Cover::barrier) return 1.1f;
+  if (cover == Cover::rock) return std::max(0.0f, 2.0f + 2.2f * fractal_noise(p.x / 7.0, p.y / 7.0, seed + 95, 4));
+  if (cover == Cover::debris) return std::max(0.0f, 0.4f + 0.5f * fractal_noise(p.x / 1.5, p.y / 1.5, seed + 96, 2));
+  return 0.0f;
+}
+
 /// Heights of decks of bridges over the ground, their parapets too; nothing stands anywhere else yet.
 void raise_bridges(const SceneSource& source, const Band& band, SceneRaster& scene) {
   const GridFrame& frame = scene.frame;
@@ -315,7 +324,7 @@ void raise_bridges(const SceneSource& source, const Band& band, SceneRaster& sce
     for (int col = 0; col < frame.width; ++col) {
       scene.object.at(col, row) = -1;
       float& height = scene.height_m.at(col, row);
-      height = 0.0f;
+      height = standing_m(scene.cover.at(col, row), frame.center_of(col, row), source.seed);
       const std::int32_t segment = scene.road_segment.at(col, row);
       if (segment < 0) continue;
       const RoadSample& a = source.road_samples[static_cast<std::size_t>(segment)];
@@ -419,7 +428,7 @@ SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, i
 }
 
 Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& scene, int threads) {
-  enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water };  // default_class_table()
+  enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water, rail };  // default_class_table()
   const ObjectCounts counts = counts_of(source.objects);
   const auto class_of = [&](Cover cover, std::uint16_t detail) -> std::uint8_t {
     switch (cover) {
@@ -429,10 +438,17 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
       case Cover::kerb:
         return parking;
       case Cover::paved:  // drives and yards: with a world, as photos are painted by hand (models/training/README.md)
+      case Cover::drive:
+      case Cover::apron:
         return source.world != nullptr ? ground : parking;
       case Cover::water:
       case Cover::pool:
+      case Cover::river:
         return water;
+      case Cover::rails:
+        return rail;
+      case Cover::orchard:
+        return grass;
       case Cover::field: {
         if (source.world != nullptr) return field_look(*source.world, detail).soil ? ground : grass;
         const auto crop = static_cast<Crop>(detail % crop_count);
@@ -446,8 +462,14 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
         return vegetation;
       case Cover::garden_bed:
       case Cover::gravel:
+      case Cover::path:
       case Cover::gravel_trap:
       case Cover::sidewalk:
+      case Cover::snow:
+      case Cover::dirt:
+      case Cover::debris:
+      case Cover::rock:
+      case Cover::barrier:
         return ground;
     }
     return ground;

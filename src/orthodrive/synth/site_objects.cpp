@@ -44,6 +44,25 @@ Rgb car_color(Random& random) {
   return colors[random.below(colors.size())];
 }
 
+/// Of the plan's areas: nothing grows or is built there.
+bool is_kept_free(Cover cover) {
+  switch (cover) {
+    case Cover::gravel_trap:
+    case Cover::paved:
+    case Cover::apron:
+    case Cover::snow:
+    case Cover::dirt:
+    case Cover::debris:
+    case Cover::rock:
+    case Cover::river:
+    case Cover::rails:
+    case Cover::barrier:
+      return true;
+    default:
+      return false;
+  }
+}
+
 class Placer {
  public:
   Placer(const SitePlan& plan, const Raster<float>& clearance, const GridFrame& frame, std::uint64_t seed)
@@ -83,6 +102,8 @@ class Placer {
   SiteObjects village() {
     place_woods_and_pond();
     place_paths();
+    objects_.areas.insert(objects_.areas.end(), plan_.areas.begin(), plan_.areas.end());
+    objects_.houses = plan_.buildings;
     place_parking(plan_.parkings.front());
     place_shop(plan_.parkings.front().outer);
     for (const Stretch& stretch : stretches_) place_lots(stretch);
@@ -184,9 +205,7 @@ class Placer {
   }
   /// On ground that is kept free: run-off areas, paved areas of the plan.
   [[nodiscard]] bool on_paved_or_gravel(Vec2 p) const {
-    const auto kept_free = [&](const Area& area) {
-      return (area.cover == Cover::gravel_trap || area.cover == Cover::paved) && contains(area.polygon, p);
-    };
+    const auto kept_free = [&](const Area& area) { return is_kept_free(area.cover) && contains(area.polygon, p); };
     if (one_cell_)
       return std::any_of(plan_areas_.begin(), plan_areas_.end(), [&](const Area* area) { return kept_free(*area); });
     return std::any_of(plan_.areas.begin(), plan_.areas.end(), kept_free);
@@ -197,7 +216,8 @@ class Placer {
   }
   [[nodiscard]] bool on_water_or_parking(Vec2 p) const {
     const auto wet_or_parking = [&](const Area& area) {
-      return (area.cover == Cover::water || area.cover == Cover::parking) && contains(area.polygon, p);
+      return (area.cover == Cover::water || area.cover == Cover::river || area.cover == Cover::parking) &&
+             contains(area.polygon, p);
     };
     return std::any_of(objects_.areas.begin(), objects_.areas.end(), wet_or_parking) ||
            std::any_of(plan_areas_.begin(), plan_areas_.end(), [&](const Area* area) { return wet_or_parking(*area); });
@@ -263,11 +283,14 @@ class Placer {
         if (!mine(line.back())) break;
       }
       const std::vector<double> half(line.size(), half_m);
-      objects_.areas.push_back({{strip_ring(line, half, half), {}}, Cover::gravel, false});
+      objects_.areas.push_back({{strip_ring(line, half, half), {}}, Cover::path, false});
     }
   }
 
+  /// Those of the plan, or some.
   void plant_orchards() {
+    for (const Orchard& orchard : plan_.settling.orchards) plant(orchard);
+    if (!plan_.settling.orchards.empty()) return;
     const int count = static_cast<int>(5.0 * std::min(1.0, plan_.size_m / 1000.0)) + 1;
     for (int i = 0; i < count; ++i) plant_orchard();
   }
@@ -460,7 +483,7 @@ class Placer {
     drive.end_m = lot.walk_m + lot.setback_m + random_.uniform(0.0, 8.0);
     const Vec2 middle = lot.q.p + lot.along * drive.at_m + lot.outward * (0.5 * (lot.half_road_m + drive.end_m));
     objects_.areas.push_back({{rectangle(middle, lot.q.heading_rad, 1.6, 0.5 * (drive.end_m - lot.half_road_m)), {}},
-                              random_.uniform() < 0.7 ? Cover::paved : Cover::gravel,
+                              random_.uniform() < 0.7 ? Cover::drive : Cover::gravel,
                               false});
     return drive;
   }

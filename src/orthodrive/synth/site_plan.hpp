@@ -36,8 +36,25 @@ enum class Cover : std::uint8_t {
   verge,
   sidewalk,
   gravel_trap,
-  kerb
+  kerb,
+  drive,  ///< paved, to a house
+  apron,  ///< paved run-off area
+  path,   ///< unpaved, no road of the map
+  // Of landmarks (synth/landmarks.hpp)
+  snow,
+  dirt,
+  debris,
+  rock,
+  river,
+  rails,
+  orchard,
+  barrier
 };
+
+/// Paved, no road.
+[[nodiscard]] constexpr bool is_paved(Cover cover) {
+  return cover == Cover::paved || cover == Cover::drive || cover == Cover::apron;
+}
 
 struct Area {
   Polygon polygon;
@@ -52,6 +69,9 @@ constexpr std::size_t pavement_count = 7;
 
 enum class RoofShape : std::uint8_t { gable, flat };
 
+/// What a building is for; `dwelling`: of all that stand on lots, whose size tells the rest.
+enum class Use : std::uint8_t { dwelling, town_house, tower, farm, works, stand };
+
 struct House {
   Vec2 center;
   double heading_rad = 0.0;                                                   ///< of the ridge
@@ -59,6 +79,7 @@ struct House {
   RoofShape roof = RoofShape::gable;
   Rgb color{};
   std::int32_t id = 0;  ///< what its look is drawn from; set when objects are placed
+  Use use = Use::dwelling;
 };
 
 struct PlannedRoad {

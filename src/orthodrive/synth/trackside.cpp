@@ -96,9 +96,28 @@ void add_run_off(SitePlan& plan, std::size_t road_index, Random& random) {
       continue;
     }
     // The apron begins under the kerb; gravel follows where it ends.
-    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.0, 0.55 * width_m + 1.0}), {}}, Cover::paved, false});
+    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.0, 0.55 * width_m + 1.0}), {}}, Cover::apron, false});
     plan.areas.push_back({{run_off(road, bend, {-1.0, 0.55 * width_m + 1.0, width_m}), {}}, Cover::gravel_trap, true});
   }
+}
+
+void add_barriers(SitePlan& plan, std::size_t road_index) {
+  constexpr double near_m = 27.0, thick_m = 2.0, piece_m = 8.0, free_m = 4.0;  // behind the widest run-off area
+  const PlannedRoad& road = plan.roads[road_index];
+  const Alignment& a = road.alignment;
+  std::vector<std::pair<Polyline, double>> lines;
+  for (const PlannedRoad& r : plan.roads) lines.emplace_back(sample(r.alignment, 8.0), 0.5 * r.width_m + free_m);
+  for (const Bend& bend : find_bends(a))
+    for (double s = bend.s_begin_m - 10.0; s < bend.s_end_m + 40.0; s += piece_m) {
+      const double from_m = 0.5 * road.width_at(std::fmod(s + a.length_m, a.length_m)) + near_m;
+      Ring piece =
+          convex_hull(strip_along(a, s - 0.5, s + piece_m + 0.5, bend.side * from_m, bend.side * (from_m + thick_m)));
+      const bool free = std::all_of(piece.begin(), piece.end(), [&](Vec2 p) {
+        return std::all_of(lines.begin(), lines.end(),
+                           [&](const auto& line) { return project_onto(line.first, p).distance_m > line.second; });
+      });
+      if (free) plan.areas.push_back({{std::move(piece), {}}, Cover::barrier, false});
+    }
 }
 
 void add_stands(SitePlan& plan, std::size_t road_index, int count, Random& random) {
@@ -118,7 +137,9 @@ void add_stands(SitePlan& plan, std::size_t road_index, int count, Random& rando
                       9.0,
                       0.0,
                       RoofShape::flat,
-                      {0.74f, 0.75f, 0.77f}};
+                      {0.74f, 0.75f, 0.77f},
+                      0,
+                      Use::stand};
     // Places all over it: between corners 80 m apart there is room for a road.
     std::vector<Vec2> places;
     for (double along_m = -half_length_m - 2.0; along_m <= half_length_m + 2.0; along_m += 2.0)

@@ -18,6 +18,9 @@ void add_verges(SitePlan& plan, std::size_t road, double width_m);
 /// Adds run-off areas outside the bends of a road: gravel traps, on some bends paved aprons.
 void add_run_off(SitePlan& plan, std::size_t road, Random& random);
 
+/// Adds tyre barriers behind the run-off areas of a road.
+void add_barriers(SitePlan& plan, std::size_t road);
+
 /// Adds up to `count` grandstands along the straights, where nothing else is within 10 m.
 void add_stands(SitePlan& plan, std::size_t road, int count, Random& random);
 

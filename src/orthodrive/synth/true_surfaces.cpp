@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/synth/true_surfaces.hpp"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -25,11 +26,13 @@ std::vector<SynthSurface> true_surfaces(const RoadNetwork& roads) {
   return surfaces;
 }
 
-void SeenPixels::count(const Polygon& carriageway, const Raster<std::uint8_t>& labels, const GridFrame& frame) {
-  constexpr std::uint8_t road = 1;
+void SeenPixels::count(const Polygon& carriageway, const Raster<std::uint8_t>& labels, const GridFrame& frame,
+                       const ClassTable& classes) {
+  std::array<bool, 256> is_road{};
+  for (std::size_t i = 0; i < classes.classes.size(); ++i) is_road[i] = classes.classes[i].role == Role::road;
   rasterize(carriageway, frame, [&](int row, int begin, int end) {
     all += end - begin;
-    for (int col = begin; col < end; ++col) visible += labels.at(col, row) == road ? 1 : 0;
+    for (int col = begin; col < end; ++col) visible += is_road[labels.at(col, row)] ? 1 : 0;
   });
 }
 

@@ -12,7 +12,9 @@ namespace orthodrive::synth {
 /// Pixels of one carriageway, summed over as many windows as there are.
 struct SeenPixels {
   std::int64_t all = 0, visible = 0;
-  void count(const Polygon& carriageway, const Raster<std::uint8_t>& labels, const GridFrame& frame);
+  /// Those whose class has the role of a road are seen.
+  void count(const Polygon& carriageway, const Raster<std::uint8_t>& labels, const GridFrame& frame,
+             const ClassTable& classes);
   [[nodiscard]] double share() const { return all > 0 ? static_cast<double>(visible) / static_cast<double>(all) : 1.0; }
 };
 
