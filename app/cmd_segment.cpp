@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // orthodrive segment: a class for every pixel of an orthophoto.
 
+#include <fmt/ranges.h>
+
 #include <memory>
+#include <ranges>
 
 #include "commands.hpp"
 #include "load_runs.hpp"
@@ -43,8 +46,14 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("--surroundings", command->files.surroundings, "maps with water for --adapt; none: those of --osm")
       ->needs("--adapt");
   cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
+  cmd->add_option("--crf-set", command->options.crf_set,
+                  fmt::format("in place of the model's, a CRF that is not trained: {}, or numbers "
+                              "w1,theta_alpha,theta_beta,w2,theta_gamma",
+                              fmt::join(crf_sets | std::views::transform(&CrfSet::name), ", ")))
+      ->needs("--crf");
   cmd->add_option("--crf-iterations", command->options.crf_iterations, "mean-field iterations; 0: as trained")
-      ->check(CLI::Range(0, 100));
+      ->check(CLI::Range(0, 100))
+      ->needs("--crf");
   cmd->add_option("--window", command->options.window_px,
                   "pixels decided at once, in each direction; 0: as suits memory; the labels do not depend on it")
       ->capture_default_str();

@@ -64,6 +64,17 @@ TEST(CommandLine, numbers_out_of_range_are_usage_errors) {
   }
 }
 
+TEST(CommandLine, options_of_a_crf_need_one) {
+  const Scratch scratch;
+  for (const Arguments& option : {Arguments{"--crf-set", "zheng"}, Arguments{"--crf-iterations", "3"}}) {
+    Arguments arguments{"segment", scratch / "missing.tif", "-o", scratch / "out.tif"};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    const ToolRun run = run_tool(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, testing::HasSubstr(option.front() + " requires --crf"));
+  }
+}
+
 TEST(CommandLine, options_of_refine_that_would_change_nothing_are_refused) {
   const Scratch scratch;
   const std::string missing = scratch / "missing";

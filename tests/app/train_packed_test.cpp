@@ -59,6 +59,9 @@ steps = 1
 batch = 1
 search_crops = 1
 iterations = 1
+theta_alpha_px = [5, 9]
+theta_beta = [11]
+appearance_weight = [2.5]
 [[raster]]
 name = "learned"
 folder = "site"

@@ -42,6 +42,32 @@ TEST(CrfModel, the_references_values) {
   EXPECT_EQ(crf.parameters.compatibility, (std::vector<float>{0.0F, 1.0F, 1.0F, 0.0F}));
 }
 
+TEST(CrfSet, names_of_table_2_2_and_five_numbers) {
+  EXPECT_EQ(parse_crf_set("thesis").theta_alpha_px, 13.5);
+  EXPECT_EQ(parse_crf_set("zheng").theta_alpha_px, 160.0);
+  const CrfModel crf = crf_of(parse_crf_set("kraehenbuehl"), 2);
+  EXPECT_EQ(crf.widths.theta_beta, 13.0);
+  EXPECT_EQ(crf.parameters.appearance_weight, (std::vector<float>{10.0F, 10.0F}));
+  const CrfSet own = parse_crf_set("2.5,9,20,0,1.75");
+  EXPECT_EQ(own.w1, 2.5F);
+  EXPECT_EQ(own.theta_alpha_px, 9.0);
+  EXPECT_EQ(own.theta_beta, 20.0);
+  EXPECT_EQ(own.w2, 0.0F);
+  EXPECT_EQ(own.theta_gamma_px, 1.75);
+}
+
+TEST(CrfSet, what_is_none_is_refused) {
+  for (const char* text : {"", "Zheng", "1,2,3,4", "1,2,3,4,", "1,2,3,4,5,", "1,2,3,4,5,6", "1;2;3;4;5", "1,2,x,4,5"})
+    EXPECT_THAT([&] { (void)parse_crf_set(text); }, ThrowsMessage<OptionError>(HasSubstr("need kraehenbuehl, zheng")))
+        << text;
+  for (const char* text : {"-1,2,3,4,5", "1,2,3,1001,5", "nan,2,3,4,5"})
+    EXPECT_THAT([&] { (void)parse_crf_set(text); }, ThrowsMessage<OptionError>(HasSubstr("not from 0 to 1000")))
+        << text;
+  for (const char* text : {"1,0,3,4,5", "1,2,1e9,4,5", "1,2,3,4,inf"})
+    EXPECT_THAT([&] { (void)parse_crf_set(text); }, ThrowsMessage<OptionError>(HasSubstr("not from 0.1 to 1000")))
+        << text;
+}
+
 TEST(CrfModel, none_and_damaged_ones) {
   EXPECT_FALSE(read_crf({}, 3, "m"));
   TensorFile file;

@@ -164,6 +164,25 @@ polygons = "p.geojson"
   EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\ndomain = 1.5\n", "x")), InputError);
 }
 
+TEST(Experiment, grid_of_the_crf_is_read_and_checked) {
+  const auto with = [](const std::string& crf) {
+    return parse_experiment(std::string(small) + "[crf]\n" + crf, "x.toml").crf;
+  };
+  const CrfExperiment crf = with(
+      "theta_alpha_px = [3, 40.5]\ntheta_beta = [7]\nappearance_weight = [0, 1.5]\ntheta_gamma_px = [1]\n"
+      "smoothness_weight = []\nfewer_iterations = [1]\niterations = 5\n");
+  EXPECT_EQ(crf.search.theta_alpha_px, (std::vector<double>{3.0, 40.5}));
+  EXPECT_EQ(crf.search.theta_beta, std::vector<double>{7.0});
+  EXPECT_EQ(crf.search.appearance_weight, (std::vector<float>{0.0F, 1.5F}));
+  EXPECT_TRUE(crf.search.smoothness_weight.empty());
+  EXPECT_EQ(crf.search.fewer_iterations, std::vector<int>{1});
+  EXPECT_EQ(crf.search.iterations, 5);
+  for (const char* wrong : {"theta_beta = [0]", "theta_gamma_px = []", "theta_alpha_px = [1001]"})
+    EXPECT_THAT([&] { (void)with(wrong); }, ThrowsMessage<InputError>(HasSubstr("widths must be from 0.1 to 1000")));
+  EXPECT_THAT([&] { (void)with("appearance_weight = [-1]"); },
+              ThrowsMessage<InputError>(HasSubstr("weights must be from 0 to 1000")));
+}
+
 TEST(Experiment, classes_by_name) {
   EXPECT_EQ(class_set({"road", "parking"}, default_class_table(), "x"), 0b110);
   EXPECT_EQ(class_set({}, default_class_table(), "x"), unknown_class);

@@ -62,10 +62,20 @@ TEST(SearchCrf, takes_the_cheapest_that_keeps_most_of_the_gain) {
   EXPECT_GE(search.best.parameters.iterations, 3);
 }
 
+TEST(SearchCrf, tells_what_ends_at_the_edge_of_the_grid) {
+  const std::vector<CrfSample> samples{bands(0.75, 1), bands(0.75, 2)};
+  CrfSearchOptions options{.theta_alpha_px = {9.0}, .theta_beta = {11.0}, .appearance_weight = {0.01F, 0.02F, 2.0F}};
+  options.theta_gamma_px = {1.0}, options.smoothness_weight = {0.5F}, options.fewer_iterations = {};
+  const CrfSearch search = search_crf(samples, crf_classes, options);
+  EXPECT_EQ(search.at_edges, std::vector<std::string>{"appearance_weight = 2 of 0.01 to 2"}) << "one value has no edge";
+  EXPECT_EQ(search.trials.size(), 5U);
+}
+
 TEST(SearchCrf, leaves_a_perfect_network_alone) {
   const CrfSearch search = search_crf(std::vector{bands(1.1, 1)}, crf_classes, {});
   EXPECT_EQ(search.trials.front().mean_iou, 1.0);
   EXPECT_EQ(search.best.parameters.appearance_weight.front(), 0.0F);
+  EXPECT_TRUE(search.at_edges.empty());
 }
 
 }  // namespace

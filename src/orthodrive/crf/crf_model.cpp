@@ -2,17 +2,49 @@
 #include "orthodrive/crf/crf_model.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/whole_number.hpp"
 
 namespace orthodrive {
 
-CrfModel reference_crf(int classes) {
-  return {{.theta_alpha_px = 13.5, .theta_beta = 11.0, .theta_gamma_px = 1.75}, potts_crf(classes, 5.2F, 1.5F, 10)};
+CrfSet parse_crf_set(std::string_view text) {
+  const auto named = std::ranges::find(crf_sets, text, &CrfSet::name);
+  if (named != crf_sets.end()) return *named;
+  std::array<double, 5> values{};
+  std::size_t read = 0;
+  const char *at = text.data(), *end = text.data() + text.size();
+  while (read < values.size()) {
+    const auto [after, error] = std::from_chars(at, end, values[read]);
+    if (error != std::errc{}) break;
+    at = after, ++read;
+    if (read < values.size() && (at == end || *at++ != ',')) break;
+  }
+  if (read != values.size() || at != end)
+    throw OptionError(
+        fmt::format("'{}' is no set of a CRF: need {}, or five numbers w1,theta_alpha,theta_beta,w2,theta_gamma", text,
+                    fmt::join(crf_sets | std::views::transform(&CrfSet::name), ", ")));
+  const auto [w1, alpha, beta, w2, gamma] = values;
+  for (const double weight : {w1, w2})
+    if (!(weight >= 0.0 && weight <= 1000.0))
+      throw OptionError(fmt::format("the CRF's weight {} is not from 0 to 1000", weight));
+  for (const double width : {alpha, beta, gamma})
+    if (!(width >= 0.1 && width <= 1000.0))
+      throw OptionError(fmt::format("the CRF's width {} is not from 0.1 to 1000", width));
+  return {"", static_cast<float>(w1), alpha, beta, static_cast<float>(w2), gamma};
 }
+
+CrfModel crf_of(const CrfSet& set, int classes) {
+  return {{set.theta_alpha_px, set.theta_beta, set.theta_gamma_px}, potts_crf(classes, set.w1, set.w2, 10)};
+}
+
+CrfModel reference_crf(int classes) { return crf_of(crf_sets.back(), classes); }
 
 void add_crf(TensorFile& file, const CrfModel& crf) {
   const CrfParameters& p = crf.parameters;

@@ -182,7 +182,19 @@ void read_crf_options(TomlSection& section, CrfExperiment& crf) {
   section.read("batch", crf.batch);
   section.read("label_px", crf.label_px);
   section.read("search_crops", crf.search_crops);
-  section.read("iterations", crf.iterations);
+  section.read("iterations", crf.search.iterations);
+  section.read("theta_alpha_px", crf.search.theta_alpha_px);
+  section.read("theta_beta", crf.search.theta_beta);
+  section.read("appearance_weight", crf.search.appearance_weight);
+  section.read("theta_gamma_px", crf.search.theta_gamma_px);
+  section.read("smoothness_weight", crf.search.smoothness_weight);
+  section.read("fewer_iterations", crf.search.fewer_iterations);
+  for (const auto* widths : {&crf.search.theta_alpha_px, &crf.search.theta_beta, &crf.search.theta_gamma_px})
+    if (widths->empty() || std::ranges::any_of(*widths, [](double w) { return !(w >= 0.1 && w <= 1000.0); }))
+      section.fail_here("the CRF's widths must be from 0.1 to 1000, one at least of each kind");
+  for (const auto* weights : {&crf.search.appearance_weight, &crf.search.smoothness_weight})
+    if (std::ranges::any_of(*weights, [](float w) { return !(w >= 0.0F && w <= 1000.0F); }))
+      section.fail_here("the CRF's weights must be from 0 to 1000");
   section.read("validate_every", crf.validate_every);
 }
 

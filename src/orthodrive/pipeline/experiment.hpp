@@ -12,6 +12,7 @@
 
 #include "orthodrive/geo/vec.hpp"
 #include "orthodrive/model/class_table.hpp"
+#include "orthodrive/train/search_crf.hpp"
 #include "orthodrive/train/train_options.hpp"
 
 namespace orthodrive {
@@ -92,7 +93,7 @@ struct CrfExperiment {
   double learning_rate = 0.02, shrinkage = 0.05;  ///< of the CRF (CrfTraining)
   int batch = 2, label_px = 0;
   int search_crops = 16;
-  int iterations = 10;
+  CrfSearchOptions search;  ///< its grid
   std::int64_t validate_every = 50;
 };
 

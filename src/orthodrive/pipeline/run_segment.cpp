@@ -19,6 +19,8 @@ std::optional<CrfModel> choose_crf(const SegmentModel& model, const fs::path& mo
                                    const RunSegmentOptions& options, const StageContext& context) {
   if (options.crf == CrfUse::none) return std::nullopt;
   std::optional<CrfModel> crf = model.crf;
+  if (!options.crf_set.empty())
+    crf = crf_of(parse_crf_set(options.crf_set), static_cast<int>(model.classes.classes.size()));
   if (!crf && options.crf == CrfUse::trained)
     throw InputError(model_file.string(),
                      "has no CRF: train one with orthodrive train --crf, or leave 'crf' of [segment] false");

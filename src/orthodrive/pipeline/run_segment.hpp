@@ -27,6 +27,7 @@ struct RunSegmentOptions {
   /// Without an area: all that the photos show, in their UTM zone. With one: InputError where no photo has data in it.
   std::optional<SiteFrame> site;
   CrfUse crf = CrfUse::none;
+  std::string crf_set;     ///< for parse_crf_set: in place of the model's; empty: the model's
   int crf_iterations = 0;  ///< 0: as trained
   int window_px = 0;       ///< as SegmentOptions
   bool adapt = false;      ///< the network first learns from the photo and its map (train/adapt_model)

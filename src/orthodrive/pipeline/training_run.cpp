@@ -2,6 +2,7 @@
 #include "orthodrive/pipeline/training_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -210,8 +211,12 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
   } else {
     const Trainer predictor(start, start_file.string(), metadata, options);
     if (monitor) monitor->info("searching the widths and weights of the CRF");
-    const CrfSearch search = search_crf(predictor.crf_samples(run.scenes, crf.search_crops), classes,
-                                        {.iterations = crf.iterations, .threads = run.experiment.train.threads});
+    CrfSearchOptions grid = crf.search;
+    grid.threads = run.experiment.train.threads;
+    const CrfSearch search = search_crf(predictor.crf_samples(run.scenes, crf.search_crops), classes, grid);
+    if (monitor && !search.at_edges.empty())
+      monitor->info(fmt::format("the CRF's search ends at the edge of its grid ({}): widen it in [crf]",
+                                fmt::join(search.at_edges, ", ")));
     write_text_file(out / "search.csv", search_table(search));
     CrfModel best = search.best;
     for (std::vector<float>* weights : {&best.parameters.appearance_weight, &best.parameters.smoothness_weight})

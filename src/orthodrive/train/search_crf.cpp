@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/train/search_crf.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -101,6 +103,20 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
     if (merit(trial) >= enough) best = trial;
   }
   search.best = {best.widths, potts_crf(classes, best.appearance_weight, best.smoothness_weight, best.iterations)};
+  const auto tell_edge = [&](const char* name, auto value, const auto& tried) {
+    const auto [least, most] = std::ranges::minmax(tried);
+    if (least != most && (value == least || value == most))
+      search.at_edges.push_back(fmt::format("{} = {} of {} to {}", name, value, least, most));
+  };
+  if (best.appearance_weight > 0.0F) {
+    tell_edge("theta_alpha_px", best.widths.theta_alpha_px, options.theta_alpha_px);
+    tell_edge("theta_beta", best.widths.theta_beta, options.theta_beta);
+    tell_edge("appearance_weight", best.appearance_weight, options.appearance_weight);
+  }
+  if (best.smoothness_weight > 0.0F) {
+    tell_edge("theta_gamma_px", best.widths.theta_gamma_px, options.theta_gamma_px);
+    tell_edge("smoothness_weight", best.smoothness_weight, options.smoothness_weight);
+  }
   return search;
 }
 

@@ -42,6 +42,9 @@ struct CrfTrial {
 struct CrfSearch {
   CrfModel best;                 ///< Potts
   std::vector<CrfTrial> trials;  ///< the first has no CRF at all
+  /// Widths and weights whose chosen value is the first or last of several that were tried: a better one may lie
+  /// beyond.
+  std::vector<std::string> at_edges;
 };
 /// First the appearance kernel alone, then the smoothness kernel beside it, then fewer iterations; judged by the mean
 /// of pixel accuracy and mean IoU over all samples. Of what keeps most of the best gain the cheapest is taken: the
