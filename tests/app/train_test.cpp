@@ -286,6 +286,31 @@ TEST(Train, stages_hand_their_weights_on_and_can_be_added) {
   EXPECT_EQ(bytes_of(shop.out / "weights_googlenet-16s.txt"), second);
 }
 
+TEST(Train, stage_starts_from_the_best_snapshot_of_the_one_before) {
+  const Workshop shop;
+  const auto experiment = [&](int steps, const std::string& more) {
+    const std::string train = fmt::format(
+        "steps = {}\nwarmup_steps = 1\nlearning_rate = 3e-3\nbatch = 1\ncrop_px = 130\nvalidate_every = 1", steps);
+    return shop.experiment(train, shop.pictures_and_held_out() + "\n" + more,
+                           fmt::format("network = \"{}/networks/googlenet-8s.toml\"", models));
+  };
+  const auto stage = [](int stride, int steps) {
+    return fmt::format("[[stage]]\nstride = {}\nsteps = {}\n", stride, steps);
+  };
+  shop.run(experiment(4, stage(32, 4)));
+  const std::string best = bytes_of(shop.out / "best.safetensors");
+  shop.run(experiment(4, stage(32, 4) + stage(16, 1)), {"--resume"});
+  EXPECT_TRUE(bytes_of(shop.out / "googlenet-32s.safetensors") == best);
+  EXPECT_EQ(Safetensors(shop.out / "googlenet-16s.safetensors").metadata("architecture"), "googlenet-16s");
+  const std::string second = bytes_of(shop.out / "checkpoint.safetensors");
+
+  // The same as a training of its own that is given the snapshot.
+  write_bytes(shop.scratch / "best.safetensors", best);
+  fs::remove_all(shop.out);
+  shop.run(experiment(4, stage(16, 1)), {"--weights", shop.scratch / "best.safetensors"});
+  EXPECT_TRUE(bytes_of(shop.out / "checkpoint.safetensors") == second);
+}
+
 TEST(Train, reference_preset_runs) {
   const Workshop shop;
   shop.run(shop.experiment("preset = \"reference\"\nsteps = 1", shop.pictures(),

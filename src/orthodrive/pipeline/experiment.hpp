@@ -80,7 +80,8 @@ struct PolygonData {
   SceneUse use;
 };
 
-/// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s.
+/// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s. Where there is held-out data,
+/// from its best snapshot.
 struct StageOptions {
   int stride = 0;
   std::int64_t steps = 0;

@@ -147,7 +147,12 @@ void train(const TrainingRun& run, Monitor* monitor) {
     train_network(trainer, stage.options, run.scenes, run.validation, hooks_for(run.out, *log, steps_before), monitor);
     steps_before += stage.options.steps;  // also after an early stop: as a resumed run counts
     if (stage.options.early_stop_after > 0 && fs::exists(best_file)) write_text_file(model_file, read_bytes(best_file));
-    if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
+    if (stages.size() == 1) continue;
+    // As in the thesis (table 2.1), the best snapshot of a stage is its network, and what the next one starts from.
+    const bool validated = trainer.best.step >= 0;
+    write_text_file(run.out / (stage.architecture + ".safetensors"),
+                    validated ? read_bytes(best_file) : format_safetensors(trainer.model_file()));
+    sources = {{stage.architecture, validated ? read_safetensors(best_file) : trainer.weights()}};
   }
   if (log) log->write_page();  // also where nothing was validated
 }
