@@ -63,8 +63,9 @@ void add_train(CLI::App& app, Context& context) {
       "--pack", command->pack,
       "instead of training, write the data set into this safetensors file, to train on a machine with nothing "
       "but libtorch (orthodrive-train, built by tools/trainer)");
-  cmd->add_flag("--preview", command->preview,
-                "only write pictures of the labels into the folder, to look at them before training");
+  cmd->add_flag(
+      "--preview", command->preview,
+      "only write pictures of the labels and the shares of their classes into the folder, to look at before training");
   cmd->footer(
       "Reads the experiment and the data it names; writes into the output folder.\n"
       "The outcome repeats for the same number of threads. Needs about 4 GB; the shipped model took an hour on two "

@@ -167,10 +167,11 @@ TEST(Train, leaves_a_model_that_segments_then_learns_a_crf_and_packs_its_data) {
   const Workshop shop;
   make_site(shop);
   const std::string site = "[[raster]]\nname = \"site\"\nfolder = \"site\"";
-  const std::string experiment = shop.experiment(
-      few_steps(10), site + "\n[[raster]]\nname = \"held-out\"\nfolder = \"site\"\nheld_out = true\n" +
-                         "[crf]\nsteps = 2\nbatch = 1\nsearch_crops = 1\niterations = 2\nvalidate_every = 0\n" +
-                         small_grid);
+  const std::string experiment =
+      shop.experiment(few_steps(10), site + "\n[[raster]]\nname = \"held-out\"\nfolder = \"site\"\nheld_out = true\n" +
+                                         "[crf]\nsteps = 2\nbatch = 1\nsearch_crops = 1\niterations = "
+                                         "2\nvalidate_every = 0\nunary_compatibility = true\n" +
+                                         small_grid);
   const auto segment = [&](const fs::path& model, const Arguments& more) {
     Arguments arguments{"--threads", "1",  "segment", shop.scratch / "site/ortho.tif", "-o", shop.scratch / "l.tif",
                         "--model",   model};
@@ -201,6 +202,8 @@ TEST(Train, leaves_a_model_that_segments_then_learns_a_crf_and_packs_its_data) {
       << "none, two widths, two weights of smoothness";
   EXPECT_EQ(column_of(crf / "log.csv", "step").back(), "2");
   EXPECT_FALSE(bytes_of(crf / "searched.safetensors") == bytes_of(crf / "model.safetensors"));
+  EXPECT_TRUE(Safetensors(crf / "model.safetensors").header.contains("crf/unary_compatibility"));
+  EXPECT_TRUE(Safetensors(crf / "checkpoint.safetensors").header.contains("crf/unary_change/first_moment"));
   EXPECT_FALSE(segment(crf / "model.safetensors", {"--crf"}) == plain);
   shop.expect_usage_error("--resume", experiment, {"--crf"});
 
@@ -284,6 +287,19 @@ TEST(Train, stages_hand_their_weights_on_and_can_be_added) {
   shop.run(experiment(stage(32) + stage(16) + stage(8)));
   EXPECT_TRUE(bytes_of(shop.out / "model.safetensors") == resumed) << "going on differs from a straight run";
   EXPECT_EQ(bytes_of(shop.out / "weights_googlenet-16s.txt"), second);
+}
+
+TEST(Train, preview_shows_labels_and_the_shares_of_classes) {
+  const Workshop shop;
+  const std::string experiment = shop.experiment(few_steps(1), shop.pictures_and_held_out());
+  const ToolRun run = run_tool({"--threads", "1", "train", experiment, "-o", shop.out, "--preview"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("no pixel to learn from is known to be ground, parking, building, vegetation, water"));
+  EXPECT_EQ(column_of(shop.out / "class_shares.csv", "class")[1], "road");
+  EXPECT_EQ(column_of(shop.out / "class_shares.csv", "training_percent"),
+            (std::vector<std::string>{"0.000", "33.333", "0.000", "0.000", "0.000", "66.667", "0.000", "0.000"}));
+  EXPECT_EQ(column_of(shop.out / "class_shares.csv", "held_out_percent")[5], "66.667");
+  EXPECT_TRUE(fs::exists(shop.out / "pictures_held_out.png"));
 }
 
 TEST(Train, stage_starts_from_the_best_snapshot_of_the_one_before) {
@@ -465,6 +481,8 @@ TEST(TrainBadInput, experiments_and_what_they_name) {
                       with_colour("{color = [2.5, 0, 0], classes = [\"road\"]}"));
   shop.expect_failure("class 'rode' is not in the table 'orthodrive-8', which has ground, road",
                       with_colour("{color = [255, 0, 0], classes = [\"rode\"]}"));
+  shop.expect_failure("classes 'rode', 'gras' are not in the table 'orthodrive-8', which has ground, road",
+                      with_colour("{color = [255, 0, 0], classes = [\"rode\", \"road\", \"gras\"]}"));
   shop.expect_failure("nothing to train on", data(shop.pictures("held_out = [\"*\"]")));
   shop.expect_failure(
       "elsewhere",

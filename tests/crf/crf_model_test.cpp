@@ -32,6 +32,19 @@ TEST(CrfModel, comes_back_from_a_model_file) {
   EXPECT_EQ(read->parameters.compatibility, crf.parameters.compatibility);
 }
 
+TEST(CrfModel, unary_compatibility_comes_back_where_there_is_one) {
+  CrfModel crf = reference_crf(2);
+  TensorFile without, with;
+  add_crf(without, crf);
+  EXPECT_FALSE(without.tensors.contains("crf/unary_compatibility"));
+  EXPECT_TRUE(read_crf(without, 2, "m")->parameters.unary_compatibility.empty());
+  crf.parameters.unary_compatibility = {-1.0F, 0.25F, 0.5F, -2.0F};
+  add_crf(with, crf);
+  EXPECT_EQ(read_crf(with, 2, "m")->parameters.unary_compatibility, crf.parameters.unary_compatibility);
+  with.tensors["crf/unary_compatibility"].values.pop_back();
+  EXPECT_THAT([&] { (void)read_crf(with, 2, "m"); }, ThrowsMessage<InputError>(HasSubstr("crf/unary_compatibility")));
+}
+
 TEST(CrfModel, the_references_values) {
   const CrfModel crf = reference_crf(2);
   EXPECT_EQ(crf.widths.theta_alpha_px, 13.5);

@@ -207,6 +207,72 @@ TEST(DenseCrf, a_diagonal_compatibility_is_the_potts_model) {
   EXPECT_LT(largest_difference(full, {expected.begin(), expected.end()}), 2e-5);
 }
 
+/// M of the thesis' eq. 2.19 with -1 on its diagonal.
+std::vector<float> minus_identity(std::size_t n) {
+  std::vector<float> matrix(n * n, 0.0F);
+  for (std::size_t c = 0; c < n; ++c) matrix[c * n + c] = -1.0F;
+  return matrix;
+}
+
+TEST(DenseCrf, unary_compatibility_begins_as_none_and_can_rename_classes) {
+  const TestPhoto photo = make_photo(25, 20, 4, 91);
+  const auto unary = make_unary(photo, 4, 92);
+  const DenseCrf crf(photo.view(), thesis);
+  CrfParameters parameters = potts_crf(4, 5.2F, 1.5F);
+  const auto expected = infer(crf, parameters, unary);
+  parameters.unary_compatibility = minus_identity(4);
+  EXPECT_EQ(infer(crf, parameters, unary), expected);
+  parameters.unary_compatibility.assign(16, 0.0F);
+  for (std::size_t k = 0; k < 4; ++k) parameters.unary_compatibility[k * 4 + (k + 1) % 4] = -1.0F;
+  const auto renamed = infer(crf, parameters, unary);
+  for (std::size_t i = 0; i < photo.pixels(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) ASSERT_EQ(renamed[4 * i + (k + 1) % 4], expected[4 * i + k]);
+  parameters.unary_compatibility.pop_back();
+  EXPECT_THROW((void)infer(crf, parameters, unary), OptionError);
+}
+
+TEST(DenseCrf, gradients_of_the_unary_compatibility_equal_central_differences) {
+  constexpr int classes = 4;
+  TestPhoto photo = make_photo(14, 13, classes, 93);
+  punch_holes(photo);
+  const auto unary = make_unary(photo, classes, 94);
+  const CrfWidths widths{6.0, 40.0, 1.75};
+  CrfParameters parameters = uneven_parameters(classes, 95, 4);
+  parameters.unary_compatibility = minus_identity(classes);
+  Random random(96);
+  for (float& m : parameters.unary_compatibility) m += static_cast<float>(0.2 * random.normal());
+  std::vector<float> a(unary.size());
+  for (float& x : a) x = static_cast<float>(random.normal());
+  const DenseCrf crf(photo.view(), widths);
+  const CrfGradients gradients = crf.backward(parameters, crf.record(parameters, unary), a);
+  const ScalarCrf scalar(photo, widths, false);
+  const auto loss = [&](const std::vector<float>& m, const std::vector<double>& u) {
+    std::vector<double> potentials(u.size(), 0.0);
+    for (std::size_t i = 0; i < u.size(); i += classes)
+      for (std::size_t k = 0; k < classes; ++k)
+        for (std::size_t x = 0; x < classes; ++x)
+          potentials[i + x] -= static_cast<double>(m[k * classes + x]) * u[i + k];
+    const auto q = scalar.infer(parameters, potentials);
+    return std::inner_product(q.begin(), q.end(), a.begin(), 0.0);
+  };
+  const std::vector<double> exact(unary.begin(), unary.end());
+  ASSERT_EQ(gradients.unary_compatibility.size(), 16U);
+  for (std::size_t i = 0; i < 16; ++i) {
+    auto high = parameters.unary_compatibility, low = high;
+    high[i] += 0x1p-11F, low[i] -= 0x1p-11F;
+    const double numeric =
+        (loss(high, exact) - loss(low, exact)) / (static_cast<double>(high[i]) - static_cast<double>(low[i]));
+    EXPECT_NEAR(gradients.unary_compatibility[i], numeric, 1e-3 * (0.05 + std::abs(numeric))) << i;
+  }
+  for (std::size_t i = 0; i < unary.size(); i += 37) {
+    auto high = exact, low = exact;
+    high[i] += 1e-4, low[i] -= 1e-4;
+    const double numeric =
+        (loss(parameters.unary_compatibility, high) - loss(parameters.unary_compatibility, low)) / 2e-4;
+    EXPECT_NEAR(gradients.unary[i], numeric, 1e-3 * (0.05 + std::abs(numeric))) << i;
+  }
+}
+
 /// Derivatives of L = sum of a Q by central differences of the scalar CRF in double: exact to 1e-8.
 TEST(DenseCrf, gradients_equal_central_differences) {
   struct Case {

@@ -52,6 +52,7 @@ void add_crf(TensorFile& file, const CrfModel& crf) {
   file.tensors["crf/appearance_weight"] = {{n}, p.appearance_weight};
   file.tensors["crf/smoothness_weight"] = {{n}, p.smoothness_weight};
   file.tensors["crf/compatibility"] = {{n, n}, p.compatibility};
+  if (!p.unary_compatibility.empty()) file.tensors["crf/unary_compatibility"] = {{n, n}, p.unary_compatibility};
   const nlohmann::ordered_json json{{"theta_alpha_px", crf.widths.theta_alpha_px},
                                     {"theta_beta", crf.widths.theta_beta},
                                     {"theta_gamma_px", crf.widths.theta_gamma_px},
@@ -82,6 +83,8 @@ std::optional<CrfModel> read_crf(const TensorFile& file, int classes, const std:
   crf.parameters.appearance_weight = values("crf/appearance_weight", n);
   crf.parameters.smoothness_weight = values("crf/smoothness_weight", n);
   crf.parameters.compatibility = values("crf/compatibility", n * n);
+  if (file.tensors.contains("crf/unary_compatibility"))
+    crf.parameters.unary_compatibility = values("crf/unary_compatibility", n * n);
   return crf;
 }
 

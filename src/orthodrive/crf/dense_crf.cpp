@@ -39,6 +39,38 @@ void check(const CrfParameters& p) {
     throw OptionError(fmt::format("dense CRF: {} + {} weights and {} compatibilities do not fit {} classes",
                                   p.appearance_weight.size(), p.smoothness_weight.size(), p.compatibility.size(),
                                   p.classes));
+  if (!p.unary_compatibility.empty() && p.unary_compatibility.size() != classes * classes)
+    throw OptionError(fmt::format("dense CRF: {} unary compatibilities do not fit {} classes",
+                                  p.unary_compatibility.size(), p.classes));
+}
+
+/// psi_u of all pixels, in one order of sums whatever the processor.
+std::vector<float> unary_potentials(const CrfParameters& p, std::span<const float> unary) {
+  const auto n = static_cast<std::size_t>(p.classes);
+  std::vector<float> potentials(unary.size(), 0.0F);
+  for (std::size_t pixel = 0; pixel < unary.size(); pixel += n)
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t x = 0; x < n; ++x) potentials[pixel + x] -= p.unary_compatibility[k * n + x] * unary[pixel + k];
+  return potentials;
+}
+
+/// From the derivatives by psi_u, which lie in `result.unary`, to those by the unary and the compatibility.
+void unary_backward(const CrfParameters& p, std::span<const float> unary, CrfGradients& result) {
+  const auto n = static_cast<std::size_t>(p.classes);
+  std::vector<double> sums(n * n, 0.0);
+  std::vector<float> of_unary(n);
+  for (std::size_t pixel = 0; pixel < unary.size(); pixel += n) {
+    float* const of_potential = &result.unary[pixel];
+    for (std::size_t k = 0; k < n; ++k) {
+      of_unary[k] = 0.0F;
+      for (std::size_t x = 0; x < n; ++x) {
+        of_unary[k] -= p.unary_compatibility[k * n + x] * of_potential[x];
+        sums[k * n + x] -= static_cast<double>(of_potential[x]) * static_cast<double>(unary[pixel + k]);
+      }
+    }
+    std::copy(of_unary.begin(), of_unary.end(), of_potential);
+  }
+  result.unary_compatibility.assign(sums.begin(), sums.end());
 }
 
 /// Uninitialised floats that grow when more are asked for. Lattices of whole windows are read all over the place: with
@@ -250,7 +282,9 @@ void DenseCrf::infer(const CrfParameters& parameters, std::span<const float> una
   check(parameters);
   assert(unary.size() == pixels_ * static_cast<std::size_t>(parameters.classes) && marginals.size() == unary.size());
   CrfWorkspace own;
-  run(parameters, unary, marginals, false, workspace != nullptr ? *workspace : own);
+  const std::vector<float> potentials =
+      parameters.unary_compatibility.empty() ? std::vector<float>{} : unary_potentials(parameters, unary);
+  run(parameters, potentials.empty() ? unary : potentials, marginals, false, workspace != nullptr ? *workspace : own);
 }
 
 CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float> unary) const {
@@ -259,7 +293,12 @@ CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float>
   CrfTape tape{.iterations = parameters.iterations, .values = unary.size()};
   tape.marginals.resize(unary.size() * (static_cast<std::size_t>(parameters.iterations) + 1));
   CrfWorkspace workspace;
-  run(parameters, unary, tape.marginals, true, workspace);
+  if (parameters.unary_compatibility.empty()) {
+    run(parameters, unary, tape.marginals, true, workspace);
+  } else {
+    tape.unary.assign(unary.begin(), unary.end());
+    run(parameters, unary_potentials(parameters, unary), tape.marginals, true, workspace);
+  }
   return tape;
 }
 
@@ -318,6 +357,7 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
   for (std::size_t r = 0; r < classes; ++r)
     for (std::size_t c = 0; c < classes; ++c)
       result.compatibility[r * classes + c] = static_cast<float>(compatibility[c * width + r]);
+  if (!parameters.unary_compatibility.empty()) unary_backward(parameters, tape.unary, result);
   return result;
 }
 

@@ -34,6 +34,9 @@ struct CrfParameters {
   std::vector<float> smoothness_weight;  ///< w2, one a class
   std::vector<float>
       compatibility;  ///< classes x classes: the cost of row's class at a pixel for a message of column's
+  /// classes x classes, M of psi_u(x) = sum_k M[k][x] log p(k) (thesis eq. 2.19: predicted class by row, assigned by
+  /// column). Empty: -1 on the diagonal, so that psi_u(x) = -log p(x), which costs no time.
+  std::vector<float> unary_compatibility;
 };
 
 /// The Potts model: cost 1 for every pair of different classes, the same weights for all classes.
@@ -55,6 +58,7 @@ struct CrfTape {
   int iterations = 0;
   std::size_t values = 0;        ///< pixels x classes
   std::vector<float> marginals;  ///< (iterations + 1) x pixels x classes
+  std::vector<float> unary;      ///< as given; kept where there is a unary compatibility
   [[nodiscard]] std::span<const float> result() const { return std::span(marginals).last(values); }
 };
 
@@ -62,6 +66,7 @@ struct CrfTape {
 struct CrfGradients {
   std::vector<float> unary;
   std::vector<float> appearance_weight, smoothness_weight, compatibility;
+  std::vector<float> unary_compatibility;  ///< empty where the parameters have none
 };
 
 /// Memory of an inference. Given to one after the other on the same thread it saves the system handing out, and

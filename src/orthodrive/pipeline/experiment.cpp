@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/plain_name.hpp"
@@ -179,6 +180,7 @@ void read_crf_options(TomlSection& section, CrfExperiment& crf) {
   section.read("network_learning_rate", crf.network_learning_rate);
   section.read("learning_rate", crf.learning_rate);
   section.read("shrinkage", crf.shrinkage);
+  section.read("unary_compatibility", crf.unary_compatibility);
   section.read("batch", crf.batch);
   section.read("label_px", crf.label_px);
   section.read("search_crops", crf.search_crops);
@@ -259,19 +261,19 @@ void leave_out_data(Experiment& experiment, const std::string& source) {
 
 ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table, const std::string& source) {
   ClassSet set = unknown_class;
+  std::vector<std::string> missing;
   for (const std::string& name : names) {
-    std::size_t label = 0;
-    while (label < table.classes.size() && table.classes[label].name != name) ++label;
-    if (label == table.classes.size()) {
-      std::vector<std::string> known;
-      known.reserve(table.classes.size());
-      for (const ClassInfo& c : table.classes) known.push_back(c.name);
-      throw InputError(source, fmt::format("class '{}' is not in the table '{}', which has {}", name, table.name,
-                                           fmt::join(known, ", ")));
-    }
-    set = static_cast<ClassSet>(set | only(static_cast<int>(label)));
+    const auto found = std::ranges::find(table.classes, name, &ClassInfo::name);
+    if (found == table.classes.end())
+      missing.push_back(fmt::format("'{}'", name));
+    else
+      set = static_cast<ClassSet>(set | only(static_cast<int>(found - table.classes.begin())));
   }
-  return set;
+  if (missing.empty()) return set;
+  throw InputError(
+      source, fmt::format("{} {} {} not in the table '{}', which has {}", missing.size() == 1 ? "class" : "classes",
+                          fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are", table.name,
+                          fmt::join(table.classes | std::views::transform(&ClassInfo::name), ", ")));
 }
 
 }  // namespace orthodrive

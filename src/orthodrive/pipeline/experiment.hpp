@@ -80,8 +80,8 @@ struct PolygonData {
   SceneUse use;
 };
 
-/// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s. Where there is held-out data,
-/// from its best snapshot.
+/// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s. Where there is
+/// held-out data, from its best snapshot.
 struct StageOptions {
   int stride = 0;
   std::int64_t steps = 0;
@@ -92,6 +92,7 @@ struct CrfExperiment {
   std::int64_t steps = 150;
   double network_learning_rate = 2e-5;
   double learning_rate = 0.02, shrinkage = 0.05;  ///< of the CRF (CrfTraining)
+  bool unary_compatibility = false;               ///< learned, too
   int batch = 2, label_px = 0;
   int search_crops = 16;
   CrfSearchOptions search;  ///< its grid
@@ -123,7 +124,7 @@ void add_data(Experiment& experiment, const Experiment& other);
 /// set.
 void leave_out_data(Experiment& experiment, const std::string& source);
 
-/// Bits of the named classes. Throws InputError naming `source` for an unknown name.
+/// Bits of the named classes. Throws InputError naming `source` and all unknown names.
 [[nodiscard]] ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table,
                                  const std::string& source);
 

@@ -77,6 +77,12 @@ TrainingData read_data(const OpenExperiment& open, const fs::path& file, const S
                      "has nothing to train on at step 0: add [[map]], [[images]], [[raster]] or [[polygons]] that is "
                      "not held out, with a weight above 0 and from_step 0");
   }
+  std::vector<std::string> without;
+  const std::vector<ClassInfo>& classes = open.network.classes.classes;
+  const ClassShares shares = class_shares(data, classes.size());
+  for (std::size_t c = 0; c < classes.size(); ++c)
+    if (shares.training[c] == 0.0) without.push_back(classes[c].name);
+  if (!without.empty()) context.info(fmt::format("no pixel to learn from is known to be {}", fmt::join(without, ", ")));
   return data;
 }
 
@@ -167,6 +173,12 @@ void preview_training(const TrainFiles& files, StageContext& context) {
   for (const ValidationScene& scene : data.validation)
     io::write_png(files.folder / (scene.name + "_held_out.png"),
                   label_preview(scene.photo.rgb, scene.allowed, classes));
+  const ClassShares shares = class_shares(data, classes.classes.size());
+  std::string table = "class,training_percent,held_out_percent\n";
+  for (std::size_t c = 0; c < classes.classes.size(); ++c)
+    table += fmt::format("{},{:.3f},{:.3f}\n", classes.classes[c].name, 100.0 * shares.training[c],
+                         100.0 * shares.held_out[c]);
+  write_text_file(files.folder / "class_shares.csv", table);
   const NetworkSpec& spec = open.network.spec;
   if (make_network(spec.architecture(), static_cast<int>(classes.classes.size())).map_channels > 0)
     io::write_png(files.folder / "crops_with_map.png",

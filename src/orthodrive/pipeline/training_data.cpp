@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <filesystem>
+#include <functional>
+#include <numeric>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -115,6 +118,10 @@ LabelledPhoto read_raster_data(const RasterData& data, double gsd_m, const Class
       throw InputError(data.labels.string(),
                        fmt::format("has no class '{}', which the mapping of '{}' names", name, data.name));
   }
+  std::vector<std::string> by_name;
+  for (const ClassInfo& info : labels.classes.classes)
+    if (!data.mapping.contains(info.name)) by_name.push_back(info.name);
+  (void)class_set(by_name, classes, data.labels.string());  // all that the table lacks is said at once
   std::vector<ClassSet> set_of_label(256, unknown_class);
   for (std::size_t i = 0; i < labels.classes.classes.size(); ++i) {
     const std::string& name = labels.classes.classes[i].name;
@@ -315,6 +322,34 @@ std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, do
   TrainingData result;
   add_part(result, experiment, Part::held_out, gsd_m, classes, threads, monitor);
   return std::move(result.validation);
+}
+
+namespace {
+std::vector<std::int64_t> known_pixels(const Raster<ClassSet>& allowed, std::size_t classes) {
+  std::vector<std::int64_t> counts(classes, 0);
+  for (const ClassSet set : allowed.data)
+    if (std::has_single_bit(set)) ++counts[static_cast<std::size_t>(std::countr_zero(set))];
+  return counts;
+}
+std::vector<double> shares(const std::vector<std::int64_t>& counts) {
+  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  std::vector<double> result;
+  result.reserve(counts.size());
+  for (const std::int64_t count : counts)
+    result.push_back(all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0.0);
+  return result;
+}
+}  // namespace
+
+ClassShares class_shares(const TrainingData& data, std::size_t classes) {
+  std::vector<std::int64_t> training(classes, 0), held_out(classes, 0);
+  const auto add = [&](std::vector<std::int64_t>& sums, const Raster<ClassSet>& allowed) {
+    const auto counts = known_pixels(allowed, classes);
+    std::ranges::transform(sums, counts, sums.begin(), std::plus{});
+  };
+  for (const TrainingScene& scene : data.scenes) add(training, scene.allowed);
+  for (const ValidationScene& scene : data.validation) add(held_out, scene.allowed);
+  return {shares(training), shares(held_out)};
 }
 
 Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed,

@@ -22,6 +22,12 @@ struct TrainingData {
 [[nodiscard]] std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, double gsd_m,
                                                               const ClassTable& classes, int threads, Monitor* monitor);
 
+/// Of the pixels of which the class is known, by class (thesis table A.5); 0 everywhere where there are none.
+struct ClassShares {
+  std::vector<double> training, held_out;
+};
+[[nodiscard]] ClassShares class_shares(const TrainingData& data, std::size_t classes);
+
 /// The scene with its labels laid over: the mean colour of the allowed classes, the photo where nothing is known.
 [[nodiscard]] Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed,
                                                  const ClassTable& classes);

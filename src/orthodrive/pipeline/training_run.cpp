@@ -212,7 +212,7 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
     checkpoint = read_safetensors(checkpoint_file);
     const std::optional<CrfModel> begun = read_crf(*checkpoint, classes, checkpoint_file.string());
     if (!begun) throw InputError(checkpoint_file.string(), "holds no CRF: choose another folder");
-    options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage};
+    options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage, crf.unary_compatibility};
   } else {
     const Trainer predictor(start, start_file.string(), metadata, options);
     if (monitor) monitor->info("searching the widths and weights of the CRF");
@@ -229,7 +229,7 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
     TensorFile untrained = start;
     add_crf(untrained, search.best);
     write_text_file(out / "searched.safetensors", format_safetensors(untrained));
-    options.crf = CrfTraining{best, crf.learning_rate, crf.shrinkage};
+    options.crf = CrfTraining{best, crf.learning_rate, crf.shrinkage, crf.unary_compatibility};
   }
   Trainer trainer(start, start_file.string(), metadata, options);
   if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());

@@ -134,7 +134,8 @@ struct Trainer::State {
   NetworkGraph graph;
   NetworkParams params;
   std::vector<Learned> learned;
-  at::Tensor crf_log_appearance, crf_log_smoothness, crf_compatibility;  ///< relative to options.crf->start
+  // Relative to options.crf->start; the last is undefined where it is not learned.
+  at::Tensor crf_log_appearance, crf_log_smoothness, crf_compatibility, crf_unary;
   at::Device device = at::kCPU;
   std::int64_t step = 0;
   WeightMean mean;
@@ -173,6 +174,9 @@ struct Trainer::State {
     learn("crf/log_appearance", crf_log_appearance, rate, decay);
     learn("crf/log_smoothness", crf_log_smoothness, rate, decay);
     learn("crf/compatibility_change", crf_compatibility, rate, decay);
+    if (!options.crf->unary) return;
+    crf_unary = at::zeros({n, n});
+    learn("crf/unary_change", crf_unary, rate, decay);
   }
 
   /// The reference's way (sec. 2.4): the CRF alone learns, on a network that stays as it is.
@@ -194,9 +198,18 @@ struct Trainer::State {
     };
     scale(crf.parameters.appearance_weight, crf_log_appearance);
     scale(crf.parameters.smoothness_weight, crf_log_smoothness);
-    const at::Tensor change = crf_compatibility.detach().to(at::kCPU).contiguous();
-    for (std::size_t i = 0; i < crf.parameters.compatibility.size(); ++i)
-      crf.parameters.compatibility[i] += change.data_ptr<float>()[i];
+    const auto shift = [](std::vector<float>& matrix, const at::Tensor& by) {
+      const at::Tensor change = by.detach().to(at::kCPU).contiguous();
+      for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] += change.data_ptr<float>()[i];
+    };
+    shift(crf.parameters.compatibility, crf_compatibility);
+    if (!crf_unary.defined()) return crf;
+    if (crf.parameters.unary_compatibility.empty()) {
+      const auto n = static_cast<std::size_t>(graph.class_count);
+      crf.parameters.unary_compatibility.assign(n * n, 0.0F);
+      for (std::size_t c = 0; c < n; ++c) crf.parameters.unary_compatibility[c * n + c] = -1.0F;
+    }
+    shift(crf.parameters.unary_compatibility, crf_unary);
     return crf;
   }
 
@@ -237,8 +250,9 @@ struct Trainer::State {
     });
     const std::int64_t n = graph.class_count;
     at::Tensor d_appearance = at::zeros({n}), d_smoothness = at::zeros({n}), d_compatibility = at::zeros({n, n});
-    at::Tensor d_unary = at::empty_like(unary);
+    at::Tensor d_unary = at::empty_like(unary), d_unary_compatibility = at::zeros({n, n});
     for (std::size_t i = 0; i < count; ++i) {
+      if (crf_unary.defined()) d_unary_compatibility += at::tensor(back[i].unary_compatibility).view({n, n});
       std::copy(back[i].unary.begin(), back[i].unary.end(), part(d_unary, i));
       d_appearance += at::tensor(back[i].appearance_weight);
       d_smoothness += at::tensor(back[i].smoothness_weight);
@@ -248,6 +262,7 @@ struct Trainer::State {
     crf_log_appearance.mutable_grad() = (d_appearance * at::tensor(crf.parameters.appearance_weight)).to(device);
     crf_log_smoothness.mutable_grad() = (d_smoothness * at::tensor(crf.parameters.smoothness_weight)).to(device);
     crf_compatibility.mutable_grad() = d_compatibility.to(device);
+    if (crf_unary.defined()) crf_unary.mutable_grad() = d_unary_compatibility.to(device);
     // unary c = -score c + log sum exp scores
     const at::Tensor d_scores = log_p.exp() * d_unary.sum(3, true) - d_unary;
     return {loss.loss, d_scores.permute({0, 3, 1, 2}).to(scores.device())};
@@ -418,6 +433,7 @@ TensorFile Trainer::checkpoint() const {
     file.tensors.emplace("crf/log_appearance", copy_of(s.crf_log_appearance));
     file.tensors.emplace("crf/log_smoothness", copy_of(s.crf_log_smoothness));
     file.tensors.emplace("crf/compatibility_change", copy_of(s.crf_compatibility));
+    if (s.crf_unary.defined()) file.tensors.emplace("crf/unary_change", copy_of(s.crf_unary));
     add_crf(file, s.options.crf->start);
   }
   file.metadata["best_step"] = std::to_string(best.step);
@@ -459,6 +475,7 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
     copy_into(state->crf_log_appearance, checkpoint, "crf/log_appearance", source);
     copy_into(state->crf_log_smoothness, checkpoint, "crf/log_smoothness", source);
     copy_into(state->crf_compatibility, checkpoint, "crf/compatibility_change", source);
+    if (state->crf_unary.defined()) copy_into(state->crf_unary, checkpoint, "crf/unary_change", source);
   }
   for (Learned& l : state->learned) {
     copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);

@@ -23,6 +23,7 @@ struct CrfTraining {
   CrfModel start;
   double learning_rate = 0.02;  ///< relative change a step, at the peak of the schedule
   double shrinkage = 0.05;      ///< decoupled decay towards the start, times the rate a step
+  bool unary = false;           ///< the unary compatibility (thesis eq. 2.19) is learned, too
 };
 
 /// The learning rate rises linearly over `warmup_steps`, stays, and falls as a half cosine to 0 from `decay_from_step`
