@@ -228,13 +228,44 @@ TEST(MeasureModel, measures_a_model_that_sees_the_map_with_one_and_without) {
                         {{}, {0.0, 48.0, 0.5, 96, 96}, toy.rgb, Raster<std::uint8_t>(96, 96, 1, 1)},
                         Raster<ClassSet>(96, 96, 1, only(0))};
   for (int row = 40; row < 56; ++row)
-    for (int col = 0; col < 96; ++col) scene.allowed.at(col, row) = only(road_label(model.classes));
+    for (int col = 0; col < 96; ++col) scene.allowed.at(col, row) = road_classes(model.classes);
   const auto drawn = measure_model(model, {scene}, 1);
   ASSERT_EQ(drawn.size(), 2U);
   EXPECT_NE(drawn.at("toy with map").labels.pixel_accuracy(), drawn.at("toy").labels.pixel_accuracy());
   scene.map = std::vector<RoadLine>{};
   const auto empty = measure_model(model, {scene}, 1);
   EXPECT_EQ(empty.at("toy with map").labels.pixel_accuracy(), drawn.at("toy").labels.pixel_accuracy());
+}
+
+TEST(MeasureModel, takes_several_classes_of_roads_together) {
+  ClassTable classes = default_class_table();
+  classes.classes[5].role = Role::road;  // grass, say
+  const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2", 8);
+  TensorFile file = start_weights(graph, {}, 3).file;
+  Random random(4);
+  for (auto& [name, tensor] : file.tensors)
+    if (name.starts_with("head") || name.starts_with("classes_out"))
+      for (float& v : tensor.values) v = static_cast<float>(random.normal());
+  file.metadata = format_model_metadata({graph.architecture, classes, 0.5, 0.5});
+  const SegmentModel model = load_model(file, "random");
+  EXPECT_EQ(road_classes(classes), only(1) | only(5));
+  ValidationScene scene{"toy",
+                        {{}, {0.0, 48.0, 0.5, 96, 96}, toy_scene().rgb, Raster<std::uint8_t>(96, 96, 1, 1)},
+                        Raster<ClassSet>(96, 96, 1, only(0))};
+  for (std::size_t i = 0; i < scene.allowed.data.size(); ++i)  // nothing known, not road, one of them, either, or not
+    scene.allowed.data[i] =
+        std::array{unknown_class, only(0) | only(3), only(1), only(5), only(1) | only(5), only(1) | only(2)}[i % 6];
+  const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = 1});
+  int both = 0, any = 0;
+  for (std::size_t i = 0; i < scene.allowed.data.size(); ++i) {
+    const bool said = result.labels.labels.data[i] == 1 || result.labels.labels.data[i] == 5;
+    const bool is = i % 6 >= 2 && i % 6 <= 4;
+    if (i % 6 == 0 || i % 6 == 5) continue;
+    both += said && is ? 1 : 0, any += said || is ? 1 : 0;
+  }
+  ASSERT_GT(both, 0);
+  ASSERT_LT(both, any);
+  EXPECT_DOUBLE_EQ(measure_model(model, {scene}, 1).at("toy").roads.iou(1), static_cast<double>(both) / any);
 }
 
 TEST(Trainer, refuses_impossible_options) {

@@ -8,7 +8,6 @@ extern "C" const orthodrive::TrainPart* orthodrive_part_train() {
       .prepare_training_folder = orthodrive::prepare_training_folder,
       .run_training = orthodrive::run_training,
       .measure_model = orthodrive::measure_model,
-      .road_label = orthodrive::road_label,
       .map_classes = orthodrive::map_classes,
       .require_adaptable = orthodrive::require_adaptable,
       .adapt_model = orthodrive::adapt_model,

@@ -17,7 +17,6 @@ struct TrainPart {
   decltype(&orthodrive::prepare_training_folder) prepare_training_folder;
   decltype(&orthodrive::run_training) run_training;
   decltype(&orthodrive::measure_model) measure_model;
-  decltype(&orthodrive::road_label) road_label;
   decltype(&orthodrive::map_classes) map_classes;
   decltype(&orthodrive::require_adaptable) require_adaptable;
   decltype(&orthodrive::adapt_model) adapt_model;

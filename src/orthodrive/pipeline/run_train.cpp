@@ -243,7 +243,7 @@ void measure_set(const TrainPart& part, const SegmentModel& model, const std::ve
     const LabelScore& score = of_set.labels;
     const auto said = static_cast<double>(of_set.said_road);
     nlohmann::ordered_json& entry = json[name];
-    entry = {{"road_iou", rounded(score.iou(part.road_label(model.classes)))},
+    entry = {{"road_iou", rounded(of_set.roads.iou(1))},
              {"mean_iou", rounded(score.mean_iou())},
              {"pixel_accuracy", rounded(score.pixel_accuracy())},
              {"road_stated", rounded(of_set.stated_road / said)},

@@ -313,7 +313,7 @@ std::vector<DisturbedLine> disturbed_lines(const Raster<ClassSet>& allowed, cons
   Raster<std::uint8_t> mask(allowed.width, allowed.height), unknown = mask, parking = mask;
   for (std::size_t i = 0; i < allowed.data.size(); ++i) {
     const ClassSet set = allowed.data[i];
-    mask.data[i] = set == classes.road;
+    mask.data[i] = set != unknown_class && (set & ~classes.road) == 0;
     unknown.data[i] = set == unknown_class || (set & classes.road) != 0;
     parking.data[i] = set != unknown_class && (set & ~classes.maybe_road) == 0;
   }

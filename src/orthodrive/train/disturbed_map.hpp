@@ -27,11 +27,11 @@ struct MapClasses {
   ClassSet road = 0, maybe_road = 0;
 };
 
-/// The roads that can only be `road` in the crop are thinned to their centre lines (Zhang and Suen, A fast parallel
-/// algorithm for thinning digital patterns, 1984). Then they are moved by a smooth field (four waves of 40 to 400 px,
-/// of up to 10 px each, now and then all by up to 16 px), get coarse nodes, wrong or no widths; some are left out,
-/// others are invented, half of the time also along what is `maybe_road`. One map in ten is empty. Where there is a
-/// `real` map (in the crop's pixels) half of the maps are that one, moved likewise: it shows what maps show, but
+/// What can only be `road` (one class or several) in the crop are thinned to their centre lines (Zhang and Suen, A fast
+/// parallel algorithm for thinning digital patterns, 1984). Then they are moved by a smooth field (four waves of 40 to
+/// 400 px, of up to 10 px each, now and then all by up to 16 px), get coarse nodes, wrong or no widths; some are left
+/// out, others are invented, half of the time also along what is `maybe_road`. One map in ten is empty. Where there is
+/// a `real` map (in the crop's pixels) half of the maps are that one, moved likewise: it shows what maps show, but
 /// nothing true is known of its lines.
 [[nodiscard]] DisturbedMap draw_map(const Raster<ClassSet>& allowed, const std::vector<RoadLine>& real,
                                     const MapClasses& classes, std::uint64_t seed);

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -570,16 +571,17 @@ std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scen
   return weights;
 }
 
-int road_label(const ClassTable& classes) {
-  const auto road = std::find_if(classes.classes.begin(), classes.classes.end(),
-                                 [](const ClassInfo& c) { return c.role == Role::road; });
-  if (road == classes.classes.end())
+ClassSet road_classes(const ClassTable& classes) {
+  ClassSet roads = unknown_class;
+  for (std::size_t label = 0; label < classes.classes.size(); ++label)
+    if (classes.classes[label].role == Role::road) roads |= only(static_cast<int>(label));
+  if (roads == unknown_class)
     throw OptionError(fmt::format("class table '{}' has no class of role road", classes.name));
-  return static_cast<int>(road - classes.classes.begin());
+  return roads;
 }
 
 MapClasses map_classes(const ClassTable& classes) {
-  MapClasses on_map{.road = only(road_label(classes))};
+  MapClasses on_map{.road = road_classes(classes)};
   for (std::size_t label = 0; label < classes.classes.size(); ++label)
     if (classes.classes[label].role == Role::maybe_road)
       on_map.maybe_road = static_cast<ClassSet>(on_map.maybe_road | only(static_cast<int>(label)));
@@ -634,20 +636,26 @@ RoadMap map_of(const ValidationScene& scene, const ClassTable& classes, double g
 std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
                                                   int threads) {
   std::map<std::string, HeldOutScore> scores;
-  const int road = road_label(model.classes);
+  const ClassSet roads = road_classes(model.classes);
   const auto measure = [&](const std::string& name, const ValidationScene& scene, const RoadMap* map) {
     const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .map = map, .crf = model.crf});
     HeldOutScore& score = scores.try_emplace(name, static_cast<int>(model.classes.classes.size())).first->second;
     const std::vector<std::uint8_t>& labels = result.labels.labels.data;
     const std::vector<ClassSet> truth = truth_on(result.labels.frame, scene);
     score.labels.add(labels, truth);
+    std::vector<std::uint8_t> says_road(labels.size(), label_nodata);
+    std::vector<ClassSet> may_be_road(labels.size(), unknown_class);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-      const bool may_be = (truth[i] & only(road)) != 0, must_be = truth[i] == only(road);
-      if (labels[i] != road || truth[i] == unknown_class || may_be != must_be) continue;
+      const bool said = labels[i] < max_classes && (roads & only(labels[i])) != 0;
+      const bool may_be = (truth[i] & roads) != 0, must_be = may_be && (truth[i] & ~roads) == 0;
+      if (labels[i] != label_nodata) says_road[i] = said ? 1 : 0;
+      if (truth[i] != unknown_class) may_be_road[i] = must_be ? only(1) : may_be ? only(0) | only(1) : only(0);
+      if (!said || truth[i] == unknown_class || may_be != must_be) continue;
       ++score.said_road;
       score.is_road += must_be;
       score.stated_road += result.road_probability.confidence.data[i] / 255.0;
     }
+    score.roads.add(says_road, may_be_road);
   };
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const ValidationScene& scene = scenes[i];
@@ -682,6 +690,9 @@ class TrainingLoop {
         save();
       } else if (seconds() - saved_at_s_ > checkpoint_seconds) {
         save();
+        if (monitor_)
+          monitor_->info(fmt::format("{}, step {} of {}: loss {:.4g}", trainer_.metadata().architecture,
+                                     trainer_.step(), options_.steps, last_loss_));
       }
     }
     save();  // before a validation that a second signal may end
@@ -718,7 +729,7 @@ class TrainingLoop {
     ++loss_count_;
     if (trainer_.step() % report_every != 0) return;
     TrainReport report = row(rate);
-    report.loss = loss_sum_ / static_cast<double>(loss_count_);
+    report.loss = last_loss_ = loss_sum_ / static_cast<double>(loss_count_);
     hooks_.report(report);
     loss_sum_ = 0.0, loss_count_ = 0;
     if (monitor_)
@@ -731,7 +742,6 @@ class TrainingLoop {
     if (options_.validate_every < 0 || validation_.empty() || trainer_.step() == validated_step_) return;
     validated_step_ = trainer_.step();
     const SegmentModel model = load_model(rounded_as_stored(trainer_.model_file()), "network in training");
-    const int road = road_label(model.classes);
     double road_sum = 0.0, iou_sum = 0.0, accuracy_sum = 0.0;
     const auto scores = measure_model(model, validation_, options_.threads);
     const auto report = [&](const std::string& name, double road_iou, double mean_iou, double pixel_accuracy) {
@@ -742,12 +752,16 @@ class TrainingLoop {
     };
     for (const auto& [name, of_set] : scores) {
       const LabelScore& score = of_set.labels;
-      report(name, score.iou(road), score.mean_iou(), score.pixel_accuracy());
-      road_sum += score.iou(road), iou_sum += score.mean_iou(), accuracy_sum += score.pixel_accuracy();
+      report(name, of_set.roads.iou(1), score.mean_iou(), score.pixel_accuracy());
+      road_sum += of_set.roads.iou(1), iou_sum += score.mean_iou(), accuracy_sum += score.pixel_accuracy();
     }
     const auto sets = static_cast<double>(scores.size());
     const double mean_iou = iou_sum / sets;
     report("mean", road_sum / sets, mean_iou, accuracy_sum / sets);
+    if (monitor_)
+      monitor_->info(fmt::format("{}, step {} of {}: held-out accuracy {:.4f}, mean IoU {:.4f}, road IoU {:.4f}",
+                                 trainer_.metadata().architecture, trainer_.step(), options_.steps, accuracy_sum / sets,
+                                 mean_iou, road_sum / sets));
     if (mean_iou > trainer_.best.mean_iou) {
       trainer_.best = {trainer_.step(), mean_iou, 0};
       if (hooks_.best) hooks_.best(trainer_);
@@ -763,7 +777,7 @@ class TrainingLoop {
   const TrainHooks& hooks_;
   Monitor* monitor_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();  // for the log only
-  double saved_at_s_ = 0.0, loss_sum_ = 0.0;
+  double saved_at_s_ = 0.0, loss_sum_ = 0.0, last_loss_ = std::numeric_limits<double>::quiet_NaN();
   std::int64_t loss_count_ = 0, validated_step_ = -1;
 };
 }  // namespace

@@ -85,6 +85,7 @@ class Trainer {
 struct HeldOutScore {
   explicit HeldOutScore(int class_count) : labels(class_count) {}
   LabelScore labels;
+  LabelScore roads{2};  ///< 1: classes with role road taken together
   /// Of the pixels labelled road of which it is known whether they are: how many, how many of them are, and the sum of
   /// the road probabilities stated there. A calibrated model states in the mean the share that is right.
   std::int64_t said_road = 0, is_road = 0;
@@ -96,8 +97,8 @@ struct HeldOutScore {
 [[nodiscard]] std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model,
                                                                 const std::vector<ValidationScene>& scenes,
                                                                 int threads = 0);
-/// Label of the class with role road. Throws OptionError when there is none.
-[[nodiscard]] int road_label(const ClassTable& classes);
+/// Those with role road. Throws OptionError when there is none.
+[[nodiscard]] ClassSet road_classes(const ClassTable& classes);
 /// Classes of what a map may show.
 [[nodiscard]] MapClasses map_classes(const ClassTable& classes);
 
