@@ -109,6 +109,19 @@ TEST_F(EvaluateCommand, polygons_with_classes_and_what_to_ignore) {
   EXPECT_TRUE(nothing["pixel_accuracy"].is_null());
 }
 
+TEST_F(EvaluateCommand, labels_without_a_common_class_are_refused_unless_merged) {
+  Json site = Json::parse(bytes_of(path("site/truth/surface.geojson")));
+  site["features"][0]["properties"]["class"] = "asphalt";
+  write_bytes(path("others.geojson"), Json{{"type", "FeatureCollection"}, {"features", {site["features"][0]}}}.dump());
+  const ToolRun run = evaluate({"labels", path("site/truth/labels.tif"), path("others.geojson")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("has none of the classes of"), std::string::npos) << run.err;
+  write_bytes(path("asphalt.toml"), "asphalt = \"road\"\n");
+  const Json merged =
+      json({"labels", path("site/truth/labels.tif"), path("others.geojson"), "--merge", path("asphalt.toml")});
+  EXPECT_GT(merged["pixel_accuracy"], 0.5);
+}
+
 TEST_F(EvaluateCommand, page_and_merge_table_of_the_command_line) {
   const std::string truth = path("site/truth/labels.tif");
   write_bytes(path("merge.toml"), "grass = \"ground\"\nparking = \"paved\"\n");

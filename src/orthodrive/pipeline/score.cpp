@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <ranges>
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
@@ -44,6 +45,18 @@ LabelComparisonView compare_labels(const LabelMap& prediction, const LabelMap& t
   }
 }
 
+/// Classes are matched by name: without a common one every pixel is wrong, which says nothing of the labels.
+void require_common_class(const ClassTable& prediction, const ClassTable& truth, const ScoreRequest& request) {
+  const auto names = [](const ClassTable& table) {
+    return fmt::format("{}", fmt::join(table.classes | std::views::transform(&ClassInfo::name), ", "));
+  };
+  if (std::ranges::none_of(prediction.classes, [&](const ClassInfo& c) {
+        return std::ranges::find(truth.classes, c.name, &ClassInfo::name) != truth.classes.end();
+      }))
+    throw InputError(request.scored.string(), fmt::format("has none of the classes of {}: {} here, {} there",
+                                                          request.truth.string(), names(prediction), names(truth)));
+}
+
 /// Reads the photo piece by piece around what the page shows.
 std::function<std::optional<Photo>(const GridFrame&)> photo_reader(const fs::path& file, const Crs& crs) {
   if (file.empty()) return {};
@@ -75,6 +88,7 @@ ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& opt
   const LabelTruth& truth = std::get<LabelTruth>(read);
   ComparisonOptions comparison{.region = read_region(request.region, truth.map.crs)};
   if (!options.merge.empty()) comparison.merge = read_merge_table(options.merge);
+  if (comparison.merge.empty()) require_common_class(prediction.classes, truth.map.classes, request);
   std::optional<ConfidenceMap> confidence;
   if (!options.confidence.empty()) confidence = read_confidence_of(options.confidence, prediction);
 
