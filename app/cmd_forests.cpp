@@ -42,7 +42,7 @@ void add_forests(CLI::App& app, Context& context) {
       "photos.\n"
       "Examples:\n"
       "  orthodrive forests --photo village/ortho.tif --labels village/truth/labels.tif -o forests.yml\n"
-      "  orthodrive forests --photo a.tif --labels a.geojson --photo b.tif --labels b.tif -o forests.yml");
+      "  orthodrive forests --photo a.tif --labels a.geojson --photo b.tif --labels b_labels.tif -o forests.yml");
   cmd->callback([command, &context] {
     StageContext stage = stage_context(context);
     print_outcome(runs().run_forests(command->files, command->options, stage), stage);

@@ -43,7 +43,7 @@ void add_scene(CLI::App& app, Context& context) {
       "each tile of the coarser levels.\n"
       "Memory: the roads (about 5 MB a km2 of town) and two blocks of 3.7 km2 (some 250 MB each), whatever the photo.\n"
       "Examples:\n"
-      "  orthodrive scene --network out/roads.xodr --labels out/labels.tif --photo out/photo.tif --dtm dtm.tif -o "
+      "  orthodrive scene --network out/roads.xodr --labels out/labels.tif --photo ortho.tif --dtm dtm.tif -o "
       "out/scene\n"
       "  orthodrive scene --network roads.xodr --photo ortho.jpg --dtm dtm_1m.tif --dtm dtm_10m.tif --max-texture 1024 "
       "-o scene");

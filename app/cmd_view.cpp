@@ -74,17 +74,30 @@ void open_browser(const std::string& url) {
   std::string command = "xdg-open", argument = url;
   char* argv[] = {command.data(), argument.data(), nullptr};
   pid_t child = 0;
-  (void)posix_spawnp(&child, argv[0], &actions, nullptr, argv, environ);
+  posix_spawnattr_t attributes;  // the browser takes signals as ever
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  (void)posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
 }
 
-/// Serves until Ctrl-C (SIGINT) or SIGTERM, which end the command well.
-void serve_until_signal(httplib::Server& server) {
+/// Ctrl-C (SIGINT) and SIGTERM wait for serve_until_signal: from before anybody is told the address, and before the
+/// server's threads exist, which inherit it.
+sigset_t hold_end_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // before the server's threads exist: they inherit it
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+/// Serves until one of those signals, which ends the command well.
+void serve_until_signal(httplib::Server& server, const sigset_t& signals) {
   std::thread serving([&server] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // stop() before that is lost
   int signal_number = 0;
@@ -100,11 +113,12 @@ void view(const ViewOptions& options, Monitor* monitor) {
   const int port = bind_port(server, options.port);
   server.expect_calls(port);
   const std::string url = fmt::format("http://{}:{}/", host, port);
+  const sigset_t signals = hold_end_signals();
   fmt::print("{}\n", url);
   std::fflush(stdout);
   monitor->info(fmt::format("serving {} until Ctrl-C", options.folder.string()));
   if (!options.no_open) open_browser(url);
-  serve_until_signal(server);
+  serve_until_signal(server, signals);
 }
 
 }  // namespace
