@@ -45,16 +45,20 @@ LabelComparisonView compare_labels(const LabelMap& prediction, const LabelMap& t
   }
 }
 
-/// Classes are matched by name: without a common one every pixel is wrong, which says nothing of the labels.
-void require_common_class(const ClassTable& prediction, const ClassTable& truth, const ScoreRequest& request) {
-  const auto names = [](const ClassTable& table) {
-    return fmt::format("{}", fmt::join(table.classes | std::views::transform(&ClassInfo::name), ", "));
-  };
-  if (std::ranges::none_of(prediction.classes, [&](const ClassInfo& c) {
-        return std::ranges::find(truth.classes, c.name, &ClassInfo::name) != truth.classes.end();
-      }))
-    throw InputError(request.scored.string(), fmt::format("has none of the classes of {}: {} here, {} there",
-                                                          request.truth.string(), names(prediction), names(truth)));
+/// Classes are matched by name: where the prediction's table has none of those that the truth shows, every pixel is
+/// wrong, which says nothing of the labels.
+void require_common_class(const ClassTable& prediction, const LabelScores& scores, const ScoreRequest& request) {
+  std::vector<std::string> shown;
+  for (const ClassScore& score : scores.classes) {
+    if (score.truth_pixels == 0) continue;
+    if (std::ranges::find(prediction.classes, score.info.name, &ClassInfo::name) != prediction.classes.end()) return;
+    shown.push_back(score.info.name);
+  }
+  if (!shown.empty())
+    throw InputError(request.scored.string(),
+                     fmt::format("has none of the classes of {}: {} here, {} there", request.truth.string(),
+                                 fmt::join(prediction.classes | std::views::transform(&ClassInfo::name), ", "),
+                                 fmt::join(shown, ", ")));
 }
 
 /// Reads the photo piece by piece around what the page shows.
@@ -88,12 +92,12 @@ ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& opt
   const LabelTruth& truth = std::get<LabelTruth>(read);
   ComparisonOptions comparison{.region = read_region(request.region, truth.map.crs)};
   if (!options.merge.empty()) comparison.merge = read_merge_table(options.merge);
-  if (comparison.merge.empty()) require_common_class(prediction.classes, truth.map.classes, request);
   std::optional<ConfidenceMap> confidence;
   if (!options.confidence.empty()) confidence = read_confidence_of(options.confidence, prediction);
 
   const LabelComparisonView view = compare_labels(prediction, truth.map, comparison, options.merge);
   const LabelScores scores = evaluate_labels(view, {.confidence = confidence ? &*confidence : nullptr});
+  if (comparison.merge.empty()) require_common_class(prediction.classes, scores, request);
   const std::vector<PieceScores> pieces = evaluate_pieces(view, truth.pieces);
   if (!options.page.empty())
     write_label_page(options.page, {.scored = request.scored.filename().string(),
