@@ -37,10 +37,14 @@ TEST(CrfModel, unary_compatibility_comes_back_where_there_is_one) {
   TensorFile without, with;
   add_crf(without, crf);
   EXPECT_FALSE(without.tensors.contains("crf/unary_compatibility"));
-  EXPECT_TRUE(read_crf(without, 2, "m")->parameters.unary_compatibility.empty());
+  const std::optional<CrfModel> none = read_crf(without, 2, "m");
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->parameters.unary_compatibility.empty());
   crf.parameters.unary_compatibility = {-1.0F, 0.25F, 0.5F, -2.0F};
   add_crf(with, crf);
-  EXPECT_EQ(read_crf(with, 2, "m")->parameters.unary_compatibility, crf.parameters.unary_compatibility);
+  const std::optional<CrfModel> some = read_crf(with, 2, "m");
+  ASSERT_TRUE(some);
+  EXPECT_EQ(some->parameters.unary_compatibility, crf.parameters.unary_compatibility);
   with.tensors["crf/unary_compatibility"].values.pop_back();
   EXPECT_THAT([&] { (void)read_crf(with, 2, "m"); }, ThrowsMessage<InputError>(HasSubstr("crf/unary_compatibility")));
 }

@@ -145,6 +145,7 @@ inline TestPhoto make_photo(int width, int height, int classes, std::uint64_t se
   Random random(seed);
   TestPhoto photo{.width = width, .height = height};
   std::vector<std::array<double, 5>> cells;  // x, y, colour
+  cells.reserve(2 * static_cast<std::size_t>(classes));
   for (int c = 0; c < 2 * classes; ++c)
     cells.push_back({random.uniform(0, width), random.uniform(0, height), random.uniform(30, 220),
                      random.uniform(30, 220), random.uniform(30, 220)});
@@ -181,15 +182,18 @@ struct ScalarCrf {
   std::vector<std::size_t> valid;
   Filter appearance, smoothness;
 
+  [[nodiscard]] static double row_of(const TestPhoto& photo, std::size_t pixel) {
+    const std::size_t row = pixel / static_cast<std::size_t>(photo.width);
+    return static_cast<double>(row);
+  }
   [[nodiscard]] static Features<5> appearance_features(const TestPhoto& photo, const CrfWidths& widths, double col,
                                                        double row) {
     Features<5> features;
     for (std::size_t i = 0; i < photo.pixels(); ++i)
       if (photo.valid.empty() || photo.valid[i] != 0)
         features.push_back({(col + static_cast<double>(i % photo.width)) / widths.theta_alpha_px,
-                            (row + static_cast<double>(i / photo.width)) / widths.theta_alpha_px,
-                            photo.rgb[3 * i] / widths.theta_beta, photo.rgb[3 * i + 1] / widths.theta_beta,
-                            photo.rgb[3 * i + 2] / widths.theta_beta});
+                            (row + row_of(photo, i)) / widths.theta_alpha_px, photo.rgb[3 * i] / widths.theta_beta,
+                            photo.rgb[3 * i + 1] / widths.theta_beta, photo.rgb[3 * i + 2] / widths.theta_beta});
     return features;
   }
   [[nodiscard]] static Features<2> smoothness_features(const TestPhoto& photo, const CrfWidths& widths, double col,
@@ -198,7 +202,7 @@ struct ScalarCrf {
     for (std::size_t i = 0; i < photo.pixels(); ++i)
       if (photo.valid.empty() || photo.valid[i] != 0)
         features.push_back({(col + static_cast<double>(i % photo.width)) / widths.theta_gamma_px,
-                            (row + static_cast<double>(i / photo.width)) / widths.theta_gamma_px});
+                            (row + row_of(photo, i)) / widths.theta_gamma_px});
     return features;
   }
 
@@ -234,6 +238,7 @@ struct ScalarCrf {
       for (std::size_t i = 0; i < unary.size(); ++i) scores[i] = -unary[i];
       for (std::size_t c = 0; c < classes; ++c) {
         std::vector<double> of_class;
+        of_class.reserve(valid.size());
         for (const std::size_t i : valid) of_class.push_back(q[i * classes + c]);
         const std::vector<double> far = appearance(of_class), near = smoothness(of_class);
         for (std::size_t v = 0; v < valid.size(); ++v)

@@ -73,6 +73,15 @@ def examples(tool):
     return list(found)
 
 
+def make_labels_of_38_classes(classes, tool):
+    (classes / "models").mkdir(parents=True)
+    (classes / "models/classes").symlink_to(ROOT / "models/classes")
+    more = ["--gsd", "2", "--classes", ROOT / "models/classes/reference-38.toml"]
+    run(tool, "synth", "--preset", "circuit", "--size", "500", *map(str, more), "-o", str(classes / "made"))
+    for name in ("labels.tif", "truth.tif"):
+        shutil.copyfile(classes / "made/truth/labels.tif", classes / name)
+
+
 def make_folder(folder, tool, sites):
     """What the examples name."""
     small_site, small = sites / "small_site", sites / "small"
@@ -114,13 +123,7 @@ def make_folder(folder, tool, sites):
             shutil.copyfile(folder / source, folder / name)
     shutil.copytree(folder / "site", folder / "village")
     shutil.copyfile(folder / "site/truth/labels.tif", folder / "b_labels.tif")
-    classes = folder / "classes"
-    (classes / "models").mkdir(parents=True)
-    (classes / "models/classes").symlink_to(ROOT / "models/classes")
-    more = ["--gsd", "2", "--classes", ROOT / "models/classes/reference-38.toml"]
-    run(tool, "synth", "--preset", "circuit", "--size", "500", *map(str, more), "-o", str(classes / "made"))
-    for name in ("labels.tif", "truth.tif"):
-        shutil.copyfile(classes / "made/truth/labels.tif", classes / name)
+    make_labels_of_38_classes(folder / "classes", tool)
     (folder / "out/train").mkdir()
     shutil.copyfile(ROOT / "models/default.safetensors", folder / "out/train/model.safetensors")
     surface = json.loads((folder / "site/truth/surface.geojson").read_text())

@@ -24,7 +24,8 @@ CrfSet parse_crf_set(std::string_view text) {
     const auto [after, error] = std::from_chars(at, end, values[read]);
     if (error != std::errc{}) break;
     at = after, ++read;
-    if (read < values.size() && (at == end || *at++ != ',')) break;
+    if (read == values.size() || at == end || *at != ',') break;
+    ++at;
   }
   if (read != values.size() || at != end)
     throw OptionError(

@@ -221,7 +221,8 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
                                   const std::uint32_t pixel = valid_[first + i];
                                   const std::uint8_t* const rgb = image.rgb + std::size_t{3} * pixel;
                                   features[i] = (left + pixel % width) * plane;
-                                  features[block + i] = (top + pixel / width) * plane;
+                                  const std::uint32_t row = pixel / width;
+                                  features[block + i] = (top + row) * plane;
                                   features[2 * block + i] = rgb[0] * colour;
                                   features[3 * block + i] = rgb[1] * colour;
                                   features[4 * block + i] = rgb[2] * colour;
@@ -232,7 +233,8 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
                                           constexpr std::size_t block = PermutohedralLattice<2>::block;
                                           for (std::size_t i = 0; i < count; ++i) {
                                             features[i] = (left + valid_[first + i] % width) * near;
-                                            features[block + i] = (top + valid_[first + i] / width) * near;
+                                            const std::uint32_t row = valid_[first + i] / width;
+                                            features[block + i] = (top + row) * near;
                                           }
                                         });
   normalise(appearance_);

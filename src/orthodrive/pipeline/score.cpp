@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/pipeline/score.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -53,6 +53,42 @@ std::vector<CrfTrial> try_weights(std::span<const CrfSample> samples, int classe
   return trials;
 }
 
+/// The smallest lattice of all trials so far that keep enough of the best gain; among equals the best.
+CrfTrial smallest_lattice(const std::vector<CrfTrial>& trials, double tolerated_loss) {
+  const CrfTrial& none = trials.front();
+  const CrfTrial& top = *std::ranges::max_element(trials, {}, merit);
+  if (merit(top) <= merit(none)) return none;
+  const double enough = merit(top) - tolerated_loss * (merit(top) - merit(none));
+  const CrfTrial* best = nullptr;
+  for (const CrfTrial& trial : trials) {
+    if (merit(trial) < enough) continue;
+    if (best == nullptr || trial.vertices_per_pixel < best->vertices_per_pixel ||
+        (trial.vertices_per_pixel == best->vertices_per_pixel && merit(trial) > merit(*best)))
+      best = &trial;
+  }
+  return *best;
+}
+
+/// Values of the best trial at the end of what was tried of them.
+std::vector<std::string> values_at_edges(const CrfTrial& best, const CrfSearchOptions& options) {
+  std::vector<std::string> at_edges;
+  const auto tell_edge = [&](const char* name, auto value, const auto& tried) {
+    const auto [least, most] = std::ranges::minmax(tried);
+    if (least != most && (value == least || value == most))
+      at_edges.push_back(fmt::format("{} = {} of {} to {}", name, value, least, most));
+  };
+  if (best.appearance_weight > 0.0F) {
+    tell_edge("theta_alpha_px", best.widths.theta_alpha_px, options.theta_alpha_px);
+    tell_edge("theta_beta", best.widths.theta_beta, options.theta_beta);
+    tell_edge("appearance_weight", best.appearance_weight, options.appearance_weight);
+  }
+  if (best.smoothness_weight > 0.0F) {
+    tell_edge("theta_gamma_px", best.widths.theta_gamma_px, options.theta_gamma_px);
+    tell_edge("smoothness_weight", best.smoothness_weight, options.smoothness_weight);
+  }
+  return at_edges;
+}
+
 }  // namespace
 
 CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfSearchOptions& options) {
@@ -60,22 +96,6 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
   const auto add = [&](const std::vector<CrfTrial>& trials) {
     search.trials.insert(search.trials.end(), trials.begin(), trials.end());
   };
-  // The cheapest of all trials so far that keep enough of the best gain; among equals the best.
-  const auto choose = [&](auto cost) -> CrfTrial {
-    const CrfTrial& none = search.trials.front();
-    double top = merit(none);
-    for (const CrfTrial& trial : search.trials) top = std::max(top, merit(trial));
-    if (top <= merit(none)) return none;
-    const double enough = top - options.tolerated_loss * (top - merit(none));
-    const CrfTrial* best = nullptr;
-    for (const CrfTrial& trial : search.trials) {
-      if (merit(trial) < enough) continue;
-      if (!best || cost(trial) < cost(*best) || (cost(trial) == cost(*best) && merit(trial) > merit(*best)))
-        best = &trial;
-    }
-    return *best;
-  };
-  const auto lattice = [](const CrfTrial& trial) { return trial.vertices_per_pixel; };
   add(try_weights(samples, classes, {}, {{0.0F, 0.0F}}, options.iterations, options));
   std::vector<Weights> weights;
   weights.reserve(options.appearance_weight.size());
@@ -83,7 +103,7 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
   for (const double alpha : options.theta_alpha_px)
     for (const double beta : options.theta_beta)
       add(try_weights(samples, classes, {alpha, beta, 1.0}, weights, options.iterations, options));
-  const CrfTrial appearance = choose(lattice);
+  const CrfTrial appearance = smallest_lattice(search.trials, options.tolerated_loss);
   std::vector<CrfTrial> with_smoothness{appearance};
   weights.clear();
   for (const float w : options.smoothness_weight) weights.push_back({appearance.appearance_weight, w});
@@ -103,20 +123,7 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
     if (merit(trial) >= enough) best = trial;
   }
   search.best = {best.widths, potts_crf(classes, best.appearance_weight, best.smoothness_weight, best.iterations)};
-  const auto tell_edge = [&](const char* name, auto value, const auto& tried) {
-    const auto [least, most] = std::ranges::minmax(tried);
-    if (least != most && (value == least || value == most))
-      search.at_edges.push_back(fmt::format("{} = {} of {} to {}", name, value, least, most));
-  };
-  if (best.appearance_weight > 0.0F) {
-    tell_edge("theta_alpha_px", best.widths.theta_alpha_px, options.theta_alpha_px);
-    tell_edge("theta_beta", best.widths.theta_beta, options.theta_beta);
-    tell_edge("appearance_weight", best.appearance_weight, options.appearance_weight);
-  }
-  if (best.smoothness_weight > 0.0F) {
-    tell_edge("theta_gamma_px", best.widths.theta_gamma_px, options.theta_gamma_px);
-    tell_edge("smoothness_weight", best.smoothness_weight, options.smoothness_weight);
-  }
+  search.at_edges = values_at_edges(best, options);
   return search;
 }
 
