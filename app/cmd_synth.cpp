@@ -24,6 +24,19 @@ const std::map<std::string, Preset> presets{
     {"village", Preset::village}, {"circuit", Preset::circuit},         {"junction", Preset::junction},
     {"region", Preset::region},   {"conurbation", Preset::conurbation}, {"grid", Preset::grid},
     {"lanes", Preset::lanes},     {"farmland", Preset::farmland}};
+/// A real track in place of a preset.
+CLI::Option* add_track(CLI::App& cmd, CLI::Option& preset, SynthFiles& files) {
+  CLI::Option* track = cmd.add_option("--from-track", files.track,
+                                      "CSV of a real closed track: w_tr_right_m, w_tr_left_m, utm33_e, utm33_n; "
+                                      "paints a site round its edges, with --size the country round it, too")
+                           ->excludes(&preset);
+  cmd.add_option("--track-osm", files.track_osm, "its OSM ways, kept as they are (default: the truth, disturbed)")
+      ->needs(track);
+  cmd.add_option("--track-heights", files.track_heights,
+                 "CSV of heights along it: lon, lat, elev_m (default: made-up hills)")
+      ->needs(track);
+  return track;
+}
 }  // namespace
 
 void add_synth(CLI::App& app, Context& context) {
@@ -63,16 +76,7 @@ void add_synth(CLI::App& app, Context& context) {
       ->capture_default_str();
   cmd->add_option("--osm-offset-max", options.osm_offset_max_m, "largest distance of OSM from the truth in metres")
       ->capture_default_str();
-  CLI::Option* track = cmd->add_option("--from-track", arguments->files.track,
-                                       "CSV of a real closed track: w_tr_right_m, w_tr_left_m, utm33_e, utm33_n; "
-                                       "paints a site round its edges, with --size the country round it, too")
-                           ->excludes(preset);
-  cmd->add_option("--track-osm", arguments->files.track_osm,
-                  "its OSM ways, kept as they are (default: the truth, disturbed)")
-      ->needs(track);
-  cmd->add_option("--track-heights", arguments->files.track_heights,
-                  "CSV of heights along it: lon, lat, elev_m (default: made-up hills)")
-      ->needs(track);
+  CLI::Option* track = add_track(*cmd, *preset, arguments->files);
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "

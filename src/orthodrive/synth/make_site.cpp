@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
@@ -51,6 +52,20 @@ std::vector<SynthSurface> seen_surfaces(const SynthSite& site) {
     surface.visibility = seen.share();
   }
   return surfaces;
+}
+
+/// Photo and labels of the scene.
+void take_picture(const SceneSource& source, const GridFrame& frame, const SynthOptions& options, SynthSite& site,
+                  const std::function<void(double)>& report) {
+  const SceneRaster scene = rasterize_scene(source, frame, options.threads);
+  report(0.35);
+  const GridFrame in_world = moved(frame, source.plan.world_from_local);
+  site.labels = {site.crs, in_world,
+                 options.classes ? label_scene(source, scene, *options.classes, options.threads)
+                                 : label_scene(source, scene, options.threads),
+                 options.classes ? *options.classes : default_class_table()};
+  site.photo = {site.crs, in_world, paint_ortho(source, scene, pixels_of(frame), options.threads),
+                Raster<std::uint8_t>(frame.width, frame.height, 1, 1)};
 }
 }  // namespace
 
@@ -100,16 +115,7 @@ SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Mon
   if (options.textures) textures.emplace(*options.textures, options.gsd_m, seed);
   const SceneSource source{
       plan, samples, objects, earth, earth_frame, seed, world ? &*world : nullptr, textures ? &*textures : nullptr};
-  {
-    const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
-    report(0.35);
-    site.labels = {site.crs, to_world(photo_frame),
-                   options.classes ? label_scene(source, scene, *options.classes, options.threads)
-                                   : label_scene(source, scene, options.threads),
-                   options.classes ? *options.classes : default_class_table()};
-    site.photo = {site.crs, to_world(photo_frame), paint_ortho(source, scene, pixels_of(photo_frame), options.threads),
-                  Raster<std::uint8_t>(photo_px, photo_px, 1, 1)};
-  }
+  take_picture(source, photo_frame, options, site, report);
   report(0.9);
 
   site.true_dtm = {site.crs, to_world(earth_frame), std::move(earth.height_m), "synthetic"};

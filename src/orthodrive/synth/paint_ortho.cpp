@@ -260,6 +260,14 @@ class Painter {
         const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
         return {mood_.water[0] + ripple, mood_.water[1] + ripple, mood_.water[2] + ripple};
       }
+      default:
+        return landmark_ground(scene_.cover.at(col, row), detail, p);
+    }
+  }
+
+  /// Covers that only landmarks have.
+  [[nodiscard]] Rgb landmark_ground(Cover cover, std::uint16_t detail, Vec2 p) const {
+    switch (cover) {
       case Cover::snow:
         return grey(0.91f + 0.03f * fractal(p, 6.0, 110, 3) + 0.02f * noise(p, 0.7, 111));
       case Cover::dirt: {
@@ -290,8 +298,9 @@ class Painter {
             unit_hash(static_cast<int>(std::floor(p.x / 0.7)), static_cast<int>(std::floor(p.y / 0.7)), seed_ + 120);
         return tyre > 0.75f ? Rgb{0.78f, 0.78f, 0.76f} : grey(0.10f + 0.08f * tyre);
       }
+      default:
+        return grey(0.5f);
     }
-    return grey(0.5f);
   }
 
   /// Ballast, sleepers, and the steel of two tracks along the area's first edge.

@@ -387,6 +387,54 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
   }
   for (const Car& c : source.objects.cars) raise_car(c, number++, band, scene);
 }
+
+enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water, rail };  // default_class_table()
+
+/// Of what covers the ground.
+std::uint8_t class_of(const SceneSource& source, Cover cover, std::uint16_t detail) {
+  switch (cover) {
+    case Cover::road:
+      return road;
+    case Cover::parking:
+    case Cover::kerb:
+      return parking;
+    case Cover::paved:  // drives and yards: with a world, as photos are painted by hand (models/training/README.md)
+    case Cover::drive:
+    case Cover::apron:
+      return source.world != nullptr ? ground : parking;
+    case Cover::water:
+    case Cover::pool:
+    case Cover::river:
+      return water;
+    case Cover::rails:
+      return rail;
+    case Cover::orchard:
+      return grass;
+    case Cover::field: {
+      if (source.world != nullptr) return field_look(*source.world, detail).soil ? ground : grass;
+      const auto crop = static_cast<Crop>(detail % crop_count);
+      return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;
+    }
+    case Cover::meadow:
+    case Cover::lawn:
+    case Cover::verge:
+      return grass;
+    case Cover::forest_floor:
+      return vegetation;
+    case Cover::garden_bed:
+    case Cover::gravel:
+    case Cover::path:
+    case Cover::gravel_trap:
+    case Cover::sidewalk:
+    case Cover::snow:
+    case Cover::dirt:
+    case Cover::debris:
+    case Cover::rock:
+    case Cover::barrier:
+      return ground;
+  }
+  return ground;
+}
 }  // namespace
 
 float ground_height(const SceneSource& source, Vec2 p_local) {
@@ -428,58 +476,13 @@ SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, i
 }
 
 Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& scene, int threads) {
-  enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water, rail };  // default_class_table()
   const ObjectCounts counts = counts_of(source.objects);
-  const auto class_of = [&](Cover cover, std::uint16_t detail) -> std::uint8_t {
-    switch (cover) {
-      case Cover::road:
-        return road;
-      case Cover::parking:
-      case Cover::kerb:
-        return parking;
-      case Cover::paved:  // drives and yards: with a world, as photos are painted by hand (models/training/README.md)
-      case Cover::drive:
-      case Cover::apron:
-        return source.world != nullptr ? ground : parking;
-      case Cover::water:
-      case Cover::pool:
-      case Cover::river:
-        return water;
-      case Cover::rails:
-        return rail;
-      case Cover::orchard:
-        return grass;
-      case Cover::field: {
-        if (source.world != nullptr) return field_look(*source.world, detail).soil ? ground : grass;
-        const auto crop = static_cast<Crop>(detail % crop_count);
-        return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;
-      }
-      case Cover::meadow:
-      case Cover::lawn:
-      case Cover::verge:
-        return grass;
-      case Cover::forest_floor:
-        return vegetation;
-      case Cover::garden_bed:
-      case Cover::gravel:
-      case Cover::path:
-      case Cover::gravel_trap:
-      case Cover::sidewalk:
-      case Cover::snow:
-      case Cover::dirt:
-      case Cover::debris:
-      case Cover::rock:
-      case Cover::barrier:
-        return ground;
-    }
-    return ground;
-  };
   Raster<std::uint8_t> labels(scene.frame.width, scene.frame.height);
   parallel_for(static_cast<std::size_t>(scene.frame.height), threads, [&](std::size_t i) {
     const int row = static_cast<int>(i);
     for (int col = 0; col < scene.frame.width; ++col) {
       const std::int32_t object = scene.object.at(col, row);
-      std::uint8_t label = class_of(scene.cover.at(col, row), scene.detail.at(col, row));
+      std::uint8_t label = class_of(source, scene.cover.at(col, row), scene.detail.at(col, row));
       if (object >= 0 && object < counts.houses)
         label = building;
       else if (object >= counts.houses && object < counts.houses + counts.trees)

@@ -106,6 +106,7 @@ void add_barriers(SitePlan& plan, std::size_t road_index) {
   const PlannedRoad& road = plan.roads[road_index];
   const Alignment& a = road.alignment;
   std::vector<std::pair<Polyline, double>> lines;
+  lines.reserve(plan.roads.size());
   for (const PlannedRoad& r : plan.roads) lines.emplace_back(sample(r.alignment, 8.0), 0.5 * r.width_m + free_m);
   for (const Bend& bend : find_bends(a))
     for (double s = bend.s_begin_m - 10.0; s < bend.s_end_m + 40.0; s += piece_m) {
