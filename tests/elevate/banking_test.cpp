@@ -35,7 +35,8 @@ HeightGrid banked_dtm(const Slope& z, double gsd_m, double noise_m = 0.0, std::u
     for (int col = 0; col < n; ++col) {
       double sum = 0.0;
       for (int i = 0; i < 16; ++i) {
-        const Vec2 p = grid.frame.world_from_pixel(col + 0.125 + 0.25 * (i % 4), row + 0.125 + 0.25 * (i / 4));
+        const int across = i % 4, down = i / 4;
+        const Vec2 p = grid.frame.world_from_pixel(col + 0.125 + 0.25 * across, row + 0.125 + 0.25 * down);
         sum += z(p.x, p.y) / 16.0;
       }
       grid.height_m.at(col, row) = static_cast<float>(sum + noise_m * random.normal());
