@@ -15,6 +15,7 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/pipeline/network_spec.hpp"
 #include "orthodrive/pipeline/toml_section.hpp"
+#include "orthodrive/synth/label_classes.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
@@ -82,6 +83,17 @@ PhotoTextures read_textures(const fs::path& folder) {
     throw InputError(folder.string(),
                      "has no textures: need road.png, grass.png and others; make them with tools/paint quilt");
   return textures;
+}
+
+/// With all that sites show.
+ClassTable read_classes(const fs::path& file) {
+  ClassTable table = parse_class_table(io::read_file(file), file);
+  try {
+    synth::check_synth_classes(table);
+  } catch (const OptionError& error) {
+    throw InputError(file.string(), error.what());
+  }
+  return table;
 }
 
 /// Writes the rasters on the way.
@@ -168,8 +180,7 @@ StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOption
   std::optional<PhotoTextures> textures;
   if (!files.textures.empty()) made.textures = &textures.emplace(read_textures(files.textures));
   std::optional<ClassTable> classes;
-  if (!files.classes.empty())
-    made.classes = &classes.emplace(parse_class_table(io::read_file(files.classes), files.classes));
+  if (!files.classes.empty()) made.classes = &classes.emplace(read_classes(files.classes));
   SynthSite site;
   if (!files.track.empty()) {
     site = make_track_site(files, made, context);

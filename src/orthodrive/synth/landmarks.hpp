@@ -11,7 +11,7 @@ namespace orthodrive::synth {
 
 /// Adds two of each a square kilometre, at least one, where there is room beside roads and buildings: a site of 500 m
 /// may lack some. Railway and river run along the site's edge; roads that leave it there cross at grade, the river in a
-/// culvert. Roads, heights and the map are as before. The same seed adds the same.
+/// culvert. Roads and heights are as before; the map has the added buildings. The same seed adds the same.
 void add_landmarks(SitePlan& plan, std::uint64_t seed);
 
 }  // namespace orthodrive::synth
