@@ -64,6 +64,16 @@ TEST(CommandLine, numbers_out_of_range_are_usage_errors) {
   }
 }
 
+TEST(CommandLine, class_table_that_lacks_classes_of_sites_is_named_and_nothing_is_written) {
+  const Scratch scratch;
+  const std::string table = paths::in_source("models/classes/mumbai.toml");
+  const ToolRun run = run_tool({"-q", "synth", "--size", "200", "--classes", table, "-o", scratch / "site"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, testing::HasSubstr(table + ": the class table"));
+  EXPECT_THAT(run.err, testing::HasSubstr("classes that synthetic sites show: snow, "));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "site"));
+}
+
 TEST(CommandLine, options_of_a_crf_need_one) {
   const Scratch scratch;
   for (const Arguments& option : {Arguments{"--crf-set", "zheng"}, Arguments{"--crf-iterations", "3"}}) {
