@@ -56,6 +56,35 @@ TEST(RefineRoads, disturbed_osm_recovers_line_and_width) {
   }
 }
 
+/// A race track widens and narrows within a way that its map gives one width; where trees hide it, it has that of the
+/// rest of its way.
+TEST(RefineRoads, a_way_that_widens_is_measured_where_it_is_seen) {
+  const auto true_width_m = [](double x) { return x < 200.0 ? 9.0 : std::min(12.0, 9.0 + (x - 200.0) / 20.0); };
+  RoadScene scene = make_scene(800.0);
+  const Polyline line = straight(at(20, 400), at(780, 400));
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const double half_m = 0.5 * true_width_m(line[i].x - 500000.0);
+    paint(scene.labels,
+          {line[i] - Vec2{0, half_m}, line[i + 1] - Vec2{0, half_m}, line[i + 1] + Vec2{0, half_m},
+           line[i] + Vec2{0, half_m}},
+          label_road);
+  }
+  paint(scene.labels, {at(500, 380), at(560, 380), at(560, 420), at(500, 420)}, label_vegetation);
+  add_way(scene, 1, map_line(line, {}, 10.0), "raceway");
+  const auto result = refine_roads(scene.osm, scene.labels);
+  double largest_m = 0.0, hidden_m = 1e9;
+  for (const RoadNode& node : result.roads.paths.at(0).nodes) {
+    const double x = node.p.x - 500000.0;
+    if (x < 40.0 || x > 760.0) continue;
+    if (x > 480.0 && x < 580.0)
+      hidden_m = std::min(hidden_m, node.width_m);
+    else
+      largest_m = std::max(largest_m, std::abs(node.width_m - true_width_m(x)));
+  }
+  EXPECT_LT(largest_m, 0.5);  // a pixel of the labels
+  EXPECT_GT(hidden_m, 10.0);
+}
+
 TEST(RefineRoads, offset_is_positive_to_the_left) {
   RoadScene scene = make_scene(200.0);
   add_truth(scene, straight(at(10, 103), at(190, 103)), 6.0);

@@ -217,13 +217,16 @@ class ChainProblem {
                 way_shift_[k].data());
       for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last; ++i) {  // shared: of the first way
         if (own(i) != i) continue;
-        add_prior(difference_cost(node_share_ / (weights_.node_width_share * node.input_width_m)), &way_width_[k],
-                  &width_[i]);
-        // Only who is seen elsewhere was put in a wrong place: smoothness alone must not cut a hidden bend.
-        ceres::LossFunction* loss = is_hidden(i) ? nullptr : new ceres::CauchyLoss(weights_.misplaced_sigmas);
+        // Only who is seen elsewhere was put in a wrong place, and only who is seen may be of another width than the
+        // rest of its way: smoothness alone must not cut a hidden bend.
+        const auto loss = [&, hidden = is_hidden(i)] {
+          return new ceres::ScaledLoss(hidden ? nullptr : new ceres::CauchyLoss(weights_.misplaced_sigmas),
+                                       node_share_ * node_share_, ceres::TAKE_OWNERSHIP);
+        };
+        add_robust_prior(difference_cost(1.0 / (weights_.node_width_share * node.input_width_m)), loss(),
+                         &way_width_[k], &width_[i]);
         add_robust_prior(node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
-                         new ceres::ScaledLoss(loss, node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
-                         way_shift_[k].data(), &offset_[i]);
+                         loss(), way_shift_[k].data(), &offset_[i]);
       }
     }
     for (double& w : way_width_) parameters_.push_back(&w);

@@ -21,16 +21,17 @@ namespace orthodrive {
 
 /// Weights of the residuals (docs/refine.md); prior knowledge is given as standard deviations.
 struct RefineWeights {
-  double evidence = 20.0;           ///< w_c, of the mean class cost in a strip
-  double loss_scale = 1.5;          ///< of the Cauchy loss of w_c: residuals beyond are outliers
-  double angle = 10.0;              ///< w_a, 1/rad
-  double curvature = 80.0;          ///< w_k, 1/rad, of the change of the angle from node to node
-  double width = 25.0;              ///< w_w, 1/m
-  double offset = 0.3;              ///< w_o, 1/m
-  double map_shift_m = 5.0;         ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
-  double way_shift_m = 0.2;         ///< sigma of the shift of a way beyond that of the map around it
-  double node_shift_m = 0.2;        ///< sigma of a node's offset around the shift of its way
-  double misplaced_sigmas = 3.0;    ///< scale of its Cauchy loss: a node seen further off was put in a wrong place
+  double evidence = 20.0;     ///< w_c, of the mean class cost in a strip
+  double loss_scale = 1.5;    ///< of the Cauchy loss of w_c: residuals beyond are outliers
+  double angle = 10.0;        ///< w_a, 1/rad
+  double curvature = 80.0;    ///< w_k, 1/rad, of the change of the angle from node to node
+  double width = 25.0;        ///< w_w, 1/m
+  double offset = 0.3;        ///< w_o, 1/m
+  double map_shift_m = 5.0;   ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
+  double way_shift_m = 0.2;   ///< sigma of the shift of a way beyond that of the map around it
+  double node_shift_m = 0.2;  ///< sigma of a node's offset around the shift of its way
+  double misplaced_sigmas =
+      3.0;  ///< scale of the Cauchy loss of a node's shift and width: what is seen further off is so
   double node_width_share = 0.013;  ///< sigma of a node's width around the width of its way, as a share of it
   double input_width = 0.2;         ///< factor on the sigma of the input's width (road_chains.hpp)
   double seen_sigma = 1.0;          ///< factor on the sigmas of a network that sees the map
