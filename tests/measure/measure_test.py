@@ -17,7 +17,7 @@ import unittest
 from unittest import mock
 
 SOURCE, TOOL, TEST_ELEVATE = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-COPIED = ["tools", "docs/measured", "docs/notes", "docs/images", "bench/results", "models/truth"]
+COPIED = ["tools", "docs", "bench/results", "models/truth", "models/classes", "src/orthodrive"]
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCE / "tools"))
 from measuring import all_pages, common  # noqa: E402 (its folder is named in the line above)
@@ -61,9 +61,27 @@ class Measure(unittest.TestCase):
             before = self.page(page)
             self.measure(name, "--table")
             self.assertEqual(self.page(page), before, name)
-        before = (self.root / "docs/notes/networks.md").read_text()
-        self.measure("networks", "write")
-        self.assertEqual((self.root / "docs/notes/networks.md").read_text(), before)
+        for page, words in {"notes/networks.md": ["networks", "write"], "reference.md": ["reference"]}.items():
+            before = (self.root / "docs" / page).read_text()
+            self.measure(*words)
+            self.assertEqual((self.root / "docs" / page).read_text(), before, f"run tools/measure {' '.join(words)}")
+
+    def test_numbers_of_the_reference_follow_results_and_code(self):
+        file = self.root / "bench/results/nlo.json"
+        runs = json.loads(file.read_text())
+        runs["runs"]["village, set 1, 1 x 20"]["surface_iou"] = 0.12345
+        for name in list(runs["runs"]):
+            if name.endswith(", set 2, 2 x 20"):
+                del runs["runs"][name]
+        file.write_text(json.dumps(runs))
+        self.measure("reference")
+        page = (self.root / "docs/reference.md").read_text()
+        self.assertRegex(page, r"\| set 1, 1 x 20: IoU % \| 80.09 \| 12.3[45] / ")
+        self.assertIn("| set 2, 2 x 20: IoU % | 66.38 | not measured |", page)
+        (self.root / "src/orthodrive/scene/build_scene.hpp").write_text("constexpr double tile_m = 480.0;\n")
+        run = subprocess.run([self.root / "tools/measure", "reference"], capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("build_scene.hpp: 0 places of scene_tile_m", run.stderr)
 
     def test_a_page_without_marks_is_refused(self):
         (self.root / "docs/measured/network.md").write_text("no marks\n")
