@@ -53,6 +53,7 @@ NOT_MEASURED_ANEW = {
     "segment",
     "synth",
     "verdict",
+    "virtual_ring",
 }
 NOTES_IN_MEASURED = [
     "tried and left",

@@ -9,7 +9,7 @@ import re
 import sys
 import tomllib
 
-from measuring import nlo, reference_38
+from measuring import nlo, reference_38, virtual_ring
 from measuring.common import ROOT, fixed, header, percent, read_results, row, write_between
 
 PAGE = ROOT / "docs/reference.md"
@@ -141,6 +141,19 @@ def shown(values, digits=2):
     return None if values is None else " / ".join(v if isinstance(v, str) else percent(v, digits) for v in values)
 
 
+def good_classes(network):
+    found = at_held_out(network, "none", "iou")
+    if found is None:
+        return None
+    values = [[v for v in site.values() if v is not None] if site else [] for site in found]
+    return " / ".join(f"{sum(v >= 0.75 for v in of_site)} of {len(of_site)}" if of_site else "-" for of_site in values)
+
+
+def millions(trunk):
+    """Weights, as the page of the stage says them; tests/nets counts them."""
+    return float(in_code("docs/segment.md", rf"`{trunk}-32s`.* \| (\d+) million \|"))
+
+
 def means():
     shipped = part(read_results("segmentation.json", {}), "default", "trained", "handmade")
     rows = [
@@ -151,6 +164,13 @@ def means():
             "VGG16-8s + CRF, 38 classes merged to 32: accuracy %; mean IoU %",
             "92.16; 73.60",
             shown(merged("vgg16-8s")),
+        ),
+        ("GoogLeNet-8s: classes with an IoU of 75 % and more", "about half of 38", good_classes("googlenet-8s")),
+        ("VGG16-8s: classes with an IoU of 75 % and more", "about half of 38", good_classes("vgg16-8s")),
+        (
+            "weights of GoogLeNet-8s, of those of VGG16-8s",
+            "about 5%",
+            f"{fixed(100 * millions('googlenet') / millions('vgg16'), 1)} % (both for 8 classes)",
         ),
         ("GoogLeNet-8s: sheds taken for houses, houses for sheds, %", "20.29; 21.60", None),
         (
@@ -205,9 +225,13 @@ def inference():
     def iou(method):
         return by_site(lambda site: times(100, refined(site, method, "surface_iou")), 2)
 
+    truth_km = by_site(lambda site: times(0.001, refined(site, "none", "truth_length_m")), 1)
+    angle = in_code("src/orthodrive/baselines/mrf_roads.hpp", r"no_overlap_angle_deg = ([.\d]+);")
     return table(
         f"{BY_SITE}, [refine](measured/refine.md)",
         [
+            ("compared: km2 at 0.13 m a pixel; here km of road", "0.28", truth_km),
+            ("roads within so many degrees must not overlap", "20", f"{angle} (`baselines/mrf_roads`)"),
             ("Canny, Douglas-Peucker: IoU %", "76.7887", iou("mrf-dp")),
             ("Canny, smooth roads: IoU %", "77.2340", iou("mrf-smooth")),
             ("edges of Dollár and Zitnick: Douglas-Peucker, smooth: IoU %", "76.5161; 76.8237", "left out: licence"),
@@ -282,6 +306,7 @@ def run_time():
         [
             ("time over 7.81 km2", "17714 nodes, 400 Mpx: 37 minutes", ours),
             ("time of the MRF, of that of the NLO", "less than 1/3", by_site(ratio, 1)),
+            ("gain of speed by atan2 in eq. 3.8", "more than 25%", None),
         ],
     )
 
@@ -356,6 +381,15 @@ def scene_times():
     return table("processor time of village / Pardubice, [scene](measured/scene.md)", rows)
 
 
+def example():
+    crop, label = (
+        in_code("src/orthodrive/train/train_options.cpp", rf"\.{name}_px = (\d+),") for name in ("crop", "label")
+    )
+    margin = f"{(int(crop) - int(label)) // 2} in training; else the receptive field"
+    rows = [("margin of a tile, px of its neighbours", "97", margin), *virtual_ring.published_rows()]
+    return table("[virtual ring](measured/virtual_ring.md)", rows)
+
+
 def large():
     one = read_results("scaling.json", {}).get("100")
     ours = f"{fixed(one['plan']['area_km2'], 0)} km2, built in {fixed(one['seconds'], 0)} s" if one else None
@@ -380,6 +414,7 @@ TABLES = {
     "table 3.6": table_3_6,
     "tiles": meshes,
     "seconds": scene_times,
+    "example": example,
     "large": large,
 }
 
