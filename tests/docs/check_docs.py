@@ -6,8 +6,9 @@
   extension may be left out). Pages that are named in code exist.
 - Links between pages, and to pictures and headings, resolve.
 - docs/reference.md: every row names a file and a test that exist, nothing that is "Open" exists or has a test, the
-  words that it offers for a search lead to a place, and every numbered heading of chapters 2 to 4 of the reference
-  itself stands there.
+  words that it offers for a search lead to a place. Every published number has ours beside it, or says that it is not
+  measured or left out, and is in the reference itself, rounded at most. Every numbered heading of chapters 2 to 4, and
+  every table and figure of them and of the appendices, stands there.
 - Every term of the glossary has a file that exists; no term stands twice.
 - Names that the glossary retires are on no other page.
 - Names in the tables of options are in the code, and numbers beside them are its defaults.
@@ -15,7 +16,7 @@
   and why, is in docs/notes, with dates.
 
 Usage: check_docs.py ROOT. Prints one line a fault; exit code 1 if there is any. Where the reference is not
-beside the repository (../shared/reference), its headings are not asked, which is said.
+beside the repository (../shared/reference), its headings, tables, figures and numbers are not asked, which is said.
 """
 
 import re
@@ -52,6 +53,7 @@ NOT_MEASURED_ANEW = {
     "segment",
     "synth",
     "verdict",
+    "virtual_ring",
 }
 NOTES_IN_MEASURED = [
     "tried and left",
@@ -201,6 +203,66 @@ def check_reference_rows(root, faults):
         faults.append("docs/reference.md: has no rows")
 
 
+def number_rows(text):
+    """(line number, cells of a row), of tables whose header is number, published, ours: where from."""
+    inside = False
+    for number, line in enumerate(text.split("\n"), 1):
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")] if line.startswith("|") else []
+        if cells[:2] == ["number", "published"]:
+            inside = True
+        elif not cells:
+            inside = False
+        elif inside and not set(line) <= set("|-"):
+            yield number, cells
+
+
+def numbers_in(text):
+    """(decimals, value) of every number; 1e^{-10} is one, too."""
+    plain = re.sub(r"e\^\{-(\d+)\}", r"e-\1", text)
+    for word in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?:e-\d+)?", plain):
+        yield len(word.partition(".")[2]) if "e" not in word else 12, float(word)
+
+
+def check_published_numbers(root, faults):
+    """Each has ours, and those of a reference that is there are in it."""
+    file = root.parent / REFERENCE
+    known = {v for _, v in numbers_in(file.read_text())} if file.exists() else None
+    for number, cells in number_rows((root / "docs/reference.md").read_text()):
+
+        def say(what, place=f"docs/reference.md:{number}: {cells[0]}"):
+            return faults.append(f"{place}: {what}")
+
+        if len(cells) != 3 or not all(cells):
+            say("a number has three cells: what, published, ours")
+            continue
+        if not re.search(r"\d|not measured|left out", cells[2]):
+            say("has neither a number of ours nor says that it is not measured or left out")
+        for digits, value in numbers_in(cells[1]) if known is not None else ():
+            if not any(abs(value - v) <= 0.5000001 * 10**-digits for v in known):
+                say(f"{value:g} is not in the reference")
+
+
+def check_captions(root, faults):
+    """Tables and figures of the reference from chapter 2 on: "table 2.1", "figures 3.9, 3.10", "tables A.1 to A.4"."""
+    file = root.parent / REFERENCE
+    if not file.exists():
+        return
+    named, page = set(), (root / "docs/reference.md").read_text().lower()
+    one = r"[2-4a-c]\.\d+"
+    for kind, listed in re.findall(rf"\b(table|figure)s? ({one}[a-d]?(?:(?:, | and | to ){one}[a-d]?)*)", page):
+        parts = re.findall(rf"( to )?({one})", listed)
+        for i, (to, word) in enumerate(parts):
+            chapter, last = word.split(".")
+            first = int(parts[i - 1][1].split(".")[1]) if to else int(last)
+            named |= {(kind, chapter, n) for n in range(first, int(last) + 1)}
+    captions = re.findall(r"^(Table|Figure) ([2-4A-C])\.(\d+):", file.read_text(), re.MULTILINE)
+    faults += [
+        f"docs/reference.md: does not have the reference's {kind.lower()} {chapter}.{n}"
+        for kind, chapter, n in captions
+        if (kind.lower(), chapter.lower(), int(n)) not in named
+    ]
+
+
 def check_search_words(root, faults):
     """In '"words" leads to `path`' the words are in that file."""
     room_of = rooms(root)
@@ -223,7 +285,8 @@ def headings_of_reference(text):
 def check_headings(root, faults):
     file = root.parent / REFERENCE
     if not file.exists():
-        print(f"check_docs: SKIPPED: the headings of the reference are not asked: {file} is missing", file=sys.stderr)
+        what = "headings, tables, figures and numbers of the reference are not asked"
+        print(f"check_docs: SKIPPED: {what}: {file} is missing", file=sys.stderr)
         return
     headings = headings_of_reference(file.read_text())
     if len(headings) < FEWEST_HEADINGS:
@@ -351,7 +414,9 @@ def check(root):
     check_links(root, pages, faults)
     check_reference_rows(root, faults)
     check_search_words(root, faults)
+    check_published_numbers(root, faults)
     check_headings(root, faults)
+    check_captions(root, faults)
     check_glossary(root, faults)
     check_retired_names(root, pages, faults)
     check_options(root, faults)

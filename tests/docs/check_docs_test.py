@@ -15,8 +15,10 @@ ROWS = "| thesis | code | test |\n|---|---|---|\n"
 ROW = "| curvature | `refine/fit_chain` | `tests/refine/fit_test` |\n"
 MEASURED = "# Measured: refine\n\nMeasured on commit 0123abc.\n\nBy `tools/measure refine`: **missed**\n"
 THESIS = "2.1 Background and Methodology\n\n3.1.1 Map Projections\n\n4.2 Mesh Generation\n\n"
+THESIS += "Figure 2.1: Neuron.\n\nTable 3.1: IoU.\n\nIoU 76.7887 and 1e^{-10} and 1.000 times\n\n"
 THESIS += "1.2 Requirements\n\n2.1 percent of it\n"  # asked for neither
-HEADINGS = "### 2.1 Background and Methodology\n\n### 3.1.1 Map projections\n\n### 4.2 Mesh Generation\n\n"
+HEADINGS = "Table 3.1 and figure 2.1.\n\n"
+HEADINGS += "### 2.1 Background and Methodology\n\n### 3.1.1 Map projections\n\n### 4.2 Mesh Generation\n\n"
 
 
 def tree(root, **changes):
@@ -102,6 +104,32 @@ class CheckDocs(unittest.TestCase):
             **self.reference("| x | **Left out**: its licence | `tests/refine/fit_test` |\n"),
         )
 
+    def numbers(self, row):
+        return {
+            "docs/reference.md": HEADINGS + ROWS + ROW + "\n| number | published | ours: x |\n|---|---|---|\n" + row
+        }
+
+    def test_published_numbers(self):
+        for good in ("76.79 | 86", "76.7887; 1e-10; 1 | not measured", "37 | left out: licence"):
+            thesis = {"../shared/reference/thesis.txt": THESIS + "37 minutes\n"}
+            self.assertEqual(self.faults(**self.numbers(f"| IoU | {good} |\n"), **thesis), [])
+        self.finds("76.78 is not in the reference", **self.numbers("| IoU | 76.78 | 86 |\n"))
+        self.finds("1e-09 is not in the reference", **self.numbers("| rate | 1e-9 | 86 |\n"))
+        self.finds("neither a number of ours", **self.numbers("| IoU | 76.79 | - / - |\n"))
+        self.finds("a number has three cells", **self.numbers("| IoU | 76.79 | |\n"))
+        self.finds("a number has three cells", **self.numbers("| IoU | | 86 |\n"))
+        self.assertEqual(
+            self.faults(**self.numbers("| IoU | 76.78 | 86 |\n"), **{"../shared/reference/thesis.txt": None}), []
+        )
+
+    def test_tables_and_figures_of_the_reference(self):
+        captions = "Figure 2.1: a\nFigure 2.2: b\nFigure 2.3: c\nTable A.2: d\nTable 3.1: e\n"
+        thesis = {"../shared/reference/thesis.txt": THESIS + captions}
+        for good in ("figures 2.1 to 2.3, tables A.2, 3.1", "Figure 2.1, figures 2.2, 2.3b; tables 3.1 and A.2"):
+            self.assertEqual(self.faults(**self.reference(ROW + good), **thesis), [], good)
+        self.finds("reference's figure 2.2", **self.reference(ROW + "tables 3.1, A.2; figures 2.1 and 2.3"), **thesis)
+        self.finds("reference's table A.2", **self.reference(ROW + "figures 2.1 to 2.3"), **thesis)
+
     def test_words_to_search_for(self):
         page = HEADINGS + '"angle\nvariation" leads to `refine/fit_chain`.\n\n' + ROWS + ROW
         chain = "src/orthodrive/refine/fit_chain.hpp"
@@ -119,7 +147,7 @@ class CheckDocs(unittest.TestCase):
 
     def test_a_missing_reference_is_said(self):
         self.assertEqual(self.faults(**{"../shared/reference/thesis.txt": None}), [])
-        self.assertIn("SKIPPED: the headings of the reference", self.said)
+        self.assertIn("SKIPPED: headings, tables, figures and numbers of the reference", self.said)
         self.faults()
         self.assertEqual(self.said, "")
 

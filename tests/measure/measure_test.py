@@ -17,7 +17,7 @@ import unittest
 from unittest import mock
 
 SOURCE, TOOL, TEST_ELEVATE = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-COPIED = ["tools", "docs/measured", "docs/notes", "docs/images", "bench/results", "models/truth"]
+COPIED = ["tools", "docs", "bench/results", "models/truth", "models/classes", "src/orthodrive"]
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCE / "tools"))
 from measuring import all_pages, common  # noqa: E402 (its folder is named in the line above)
@@ -61,9 +61,42 @@ class Measure(unittest.TestCase):
             before = self.page(page)
             self.measure(name, "--table")
             self.assertEqual(self.page(page), before, name)
-        before = (self.root / "docs/notes/networks.md").read_text()
-        self.measure("networks", "write")
-        self.assertEqual((self.root / "docs/notes/networks.md").read_text(), before)
+        for page, words in {"notes/networks.md": ["networks", "write"], "reference.md": ["reference"]}.items():
+            before = (self.root / "docs" / page).read_text()
+            self.measure(*words)
+            self.assertEqual((self.root / "docs" / page).read_text(), before, f"run tools/measure {' '.join(words)}")
+
+    def test_numbers_of_the_reference_follow_results_and_code(self):
+        file = self.root / "bench/results/nlo.json"
+        runs = json.loads(file.read_text())
+        runs["runs"]["village, set 1, 1 x 20"]["surface_iou"] = 0.12345
+        for name in list(runs["runs"]):
+            if name.endswith(", set 2, 2 x 20"):
+                del runs["runs"][name]
+        file.write_text(json.dumps(runs))
+        found = {"accuracy": 0.81, "mean_iou": 0.56, "merged": [0.9, 0.7], "seconds_a_tile": 0.05, "commit": "x"}
+        found["iou"] = {"road": 0.8, "pool": 0.2, "snow": None}
+        trained = {
+            f"{n}, {crf}, circuit-99": found for n in ("googlenet-32s", "vgg16-8s") for crf in ("none", "thesis")
+        }
+        (self.root / "bench/results/reference_38.json").write_text(json.dumps(trained))
+        self.measure("reference")
+        page = (self.root / "docs/reference.md").read_text()
+        for line in (
+            "| googlenet-32s | 83.02; 0.169; 0.476; 100000 | 81.00 / -; 0.050; not measured |",
+            "| googlenet-16s | 86.04; 0.157; 0.335; 50000 | not measured |",
+            "| VGG16-8s: mean IoU % | 64.66 | 56.00 / - |",
+            "38 classes merged to 32: accuracy %; mean IoU % | 92.16; 73.60 | 90.00; 70.00 / - |",
+            "| VGG16-8s: classes with an IoU of 75 % and more | about half of 38 | 1 of 2 / - |",
+            "| 5.20, 13.50, 11.00, 1.50, 1.75; 90.51 | 5.2, 13.5, 11.0, 1.5, 1.75; 81.00 / - |",
+        ):
+            self.assertIn(line, page)
+        self.assertRegex(page, r"\| set 1, 1 x 20: IoU % \| 80.09 \| 12.3[45] / ")
+        self.assertIn("| set 2, 2 x 20: IoU % | 66.38 | not measured |", page)
+        (self.root / "src/orthodrive/scene/build_scene.hpp").write_text("constexpr double tile_m = 480.0;\n")
+        run = subprocess.run([self.root / "tools/measure", "reference"], capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("build_scene.hpp: 0 places of scene_tile_m", run.stderr)
 
     def test_a_page_without_marks_is_refused(self):
         (self.root / "docs/measured/network.md").write_text("no marks\n")

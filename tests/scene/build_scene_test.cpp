@@ -431,6 +431,27 @@ TEST(BuildScene, no_roads_at_all_is_plain_terrain) {
   expect_closed(tile, on_tile_border);
 }
 
+TEST(BuildScene, terrain_points_stand_on_a_disturbed_raster_of_10_m) {
+  const SceneTile tile = build_one(make_site(480.0, {}));
+  std::set<std::pair<int, int>> cells;
+  double moved_m = 0.0;
+  int inside = 0;
+  for (const auto& p : find_mesh(tile, MeshKind::terrain)->positions) {
+    const Vec3 q = world(tile, p);
+    const double x = q.x - west_m, y = q.y - south_m;
+    if (std::min({x, y, 480.0 - x, 480.0 - y}) < 0.01) continue;  // on the border, which neighbours share
+    const int column = static_cast<int>(x / 10.0), row = static_cast<int>(y / 10.0);
+    const double dx = x - 10.0 * column - 5.0, dy = y - 10.0 * row - 5.0;
+    EXPECT_LE(std::max(std::abs(dx), std::abs(dy)), 3.01) << x << ' ' << y;
+    moved_m += std::hypot(dx, dy);
+    cells.insert({column, row});
+    ++inside;
+  }
+  EXPECT_EQ(inside, 48 * 48);
+  EXPECT_EQ(cells.size(), 48U * 48U) << "one in every cell";
+  EXPECT_GT(moved_m / inside, 1.0);
+}
+
 TEST(BuildScene, holes_of_the_terrain_are_filled_and_found) {
   Site site = make_site(480.0, {}, [](Vec2 p) { return 30.0 + 0.1 * (p.x - west_m); });
   for (int row = 20; row < 30; ++row)
@@ -490,6 +511,16 @@ TEST(BuildScene, texture_has_the_photo_at_its_place) {
   const Raster<std::uint8_t> half = build_one(site, {1000, 13000}, {.max_texture_px = 240}).texture_rgb;
   ASSERT_EQ(half.width, 240);
   EXPECT_NEAR(half.at(150, 60, 0), 150, 1);
+}
+
+TEST(BuildScene, texture_of_a_fine_photo_has_2048_pixels) {
+  Site site = make_site(480.0, {});
+  site.photo.frame = covering_grid({west_m, south_m, west_m + 480.0, south_m + 480.0}, 0.2);
+  site.photo.rgb = Raster<std::uint8_t>(2400, 2400, 3, 90);
+  site.photo.valid = Raster<std::uint8_t>(2400, 2400, 1, 1);
+  const SceneTile tile = build_one(site);
+  EXPECT_EQ(tile.texture_rgb.width, 2048);
+  EXPECT_EQ(tile.texture_rgb.height, 2048);
 }
 
 TEST(BuildScene, labels_of_the_tile_are_those_of_the_map) {

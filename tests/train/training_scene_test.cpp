@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
@@ -30,6 +34,50 @@ TEST(DrawCrop, repeats_for_a_seed_and_keeps_labels_with_their_pixels) {
     }
     if (bright_count < 50.0 || dark_count < 50.0) continue;
     EXPECT_GT(bright / bright_count, dark / dark_count + 60.0) << seed;
+  }
+}
+
+/// How red (to the right in the photo) and green (downwards) change along the columns and rows of a crop.
+std::optional<std::array<int, 4>> orientation_of(const Crop& crop) {
+  const int from = 8, step = 12;
+  for (const auto [col, row] : {std::pair(from, from), {from + step, from}, {from, from + step}})
+    if (crop.allowed.at(col, row) == unknown_class) return std::nullopt;
+  std::array<int, 4> result{};
+  for (int c = 0; c < 2; ++c) {
+    const double here = crop.rgb.at(from, from, c);
+    const auto rate = [&](int col, int row) {
+      return static_cast<int>(std::round((crop.rgb.at(col, row, c) - here) / step));
+    };
+    result[static_cast<std::size_t>(2 * c)] = rate(from + step, from);
+    result[static_cast<std::size_t>(2 * c) + 1] = rate(from, from + step);
+  }
+  return result;
+}
+
+TEST(DrawCrop, quarters_and_mirroring_give_the_eight_copies_of_the_thesis) {
+  TrainingScene scene{
+      .name = "ramp", .rgb = Raster<std::uint8_t>(96, 96, 3), .allowed = Raster<ClassSet>(96, 96, 1, only(0))};
+  for (int row = 0; row < 96; ++row)
+    for (int col = 0; col < 96; ++col) {
+      scene.rgb.at(col, row, 0) = static_cast<std::uint8_t>(2 * col);
+      scene.rgb.at(col, row, 1) = static_cast<std::uint8_t>(2 * row);
+    }
+  scene.gsd_m = 0.5;
+  for (const bool mirror : {true, false}) {
+    const Augmentation of_thesis{.turn = Augmentation::Turn::quarters,
+                                 .mirror = mirror,
+                                 .zoom = false,
+                                 .colors = false,
+                                 .blur = false,
+                                 .noise = false};
+    std::set<std::array<int, 4>> found;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed)
+      if (const auto one =
+              orientation_of(draw_crop(scene, {.size_px = 32, .gsd_m = 0.5, .augmentation = of_thesis}, seed)))
+        found.insert(*one);
+    std::set<std::array<int, 4>> expected{{2, 0, 0, 2}, {0, 2, -2, 0}, {-2, 0, 0, -2}, {0, -2, 2, 0}};
+    if (mirror) expected.insert({{-2, 0, 0, 2}, {0, -2, -2, 0}, {2, 0, 0, -2}, {0, 2, 2, 0}});
+    EXPECT_EQ(found, expected) << mirror;
   }
 }
 

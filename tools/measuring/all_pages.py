@@ -35,6 +35,7 @@ MAKES = [
     "network",
     "lap",
     "every_road",
+    "virtual_ring",
     "scaling",
     "cluster",
     "faults",
@@ -142,6 +143,7 @@ PARTS = [  # a part stands behind those whose files it takes
         ],
         "what `site` and `lap` made",
     ),
+    Part("virtual-ring", "virtual_ring", 15, [["virtual-ring"]], TOWNS + ", python3-gdal"),
     Part("scaling", "scaling", 110, [["scaling"]], TOWNS),
     Part(
         "scene",

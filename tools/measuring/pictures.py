@@ -13,7 +13,8 @@ import sys
 
 from measuring.common import IMAGES, ROOT, add_tool, run_program
 
-VIEWS = {"village": 5, "kvarnbyn": 11, "pardubice": 20, "ring": 40}  # seconds of the lap at which a site is looked at
+# seconds of the lap at which a site is looked at
+VIEWS = {"village": 5, "kvarnbyn": 11, "pardubice": 20, "ring": 40, "virtual_ring": 40}
 HIDDEN = "off=route"  # the line that shows the lap
 
 

@@ -30,7 +30,8 @@ Placement draw_placement(const TrainingScene& scene, const CropOptions& options,
                         : vary.turn == Augmentation::Turn::quarters ? std::floor(turn)
                                                                     : 0.0);
   const Vec2 right{step * std::cos(angle), step * std::sin(angle)};
-  const Vec2 down = vary.mirror && random.uniform() < 0.5 ? left_normal(right) : left_normal(right) * -1.0;
+  const bool mirrored = vary.mirror && random.uniform() >= 0.5;
+  const Vec2 down = left_normal(right) * (mirrored ? -1.0 : 1.0);  // to the left: rows are counted downwards
   // Centres keep a quarter of the crop inside the photo, so that few crops are mostly empty.
   const double margin = std::min({0.25 * step * options.size_px, 0.5 * scene.rgb.width, 0.5 * scene.rgb.height});
   const Vec2 center{random.uniform(margin, scene.rgb.width - margin),
