@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "choice_option.hpp"
 #include "commands.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
 #include "stage_output.hpp"
@@ -21,6 +22,7 @@ struct DriveArguments {
   DriveFiles files;
   RunDriveOptions drive;
   std::vector<std::string> via;
+  IdleOptions idle;
 };
 
 Vec2 parse_point(const std::string& text) {
@@ -34,6 +36,7 @@ Vec2 parse_point(const std::string& text) {
 }
 
 void drive_it(DriveArguments& arguments, const Context& context) {
+  arguments.idle.refuse();
   for (const std::string& text : arguments.via) arguments.drive.route.via.push_back(parse_point(text));
   StageContext stage = stage_context(context);
   const StageOutcome outcome = runs().run_drive(arguments.files, arguments.drive, stage);
@@ -46,29 +49,39 @@ void drive_it(DriveArguments& arguments, const Context& context) {
 
 namespace {
 
-void add_route_options(CLI::App& cmd, DriveArguments& arguments) {
-  cmd.add_option("--route", arguments.drive.route.route,
-                 "auto (a loop of raceways, else a good loop of 0.5 to 5 km), or names / OSM ids of ways with commas")
-      ->capture_default_str();
-  cmd.add_option("--via", arguments.via,
-                 "x,y in metres of the site CRS; several: past these in order and back to the first");
-  cmd.add_flag("--all-roads", arguments.drive.all_roads,
-               "drives every road of the largest connected part at its speed limit and lists the places that fail; "
-               "writes DIR/all_roads.csv, all_roads.json");
+/// Returns --all-roads.
+CLI::Option* add_route_options(CLI::App& cmd, DriveArguments& arguments) {
+  CLI::Option* all_roads =
+      cmd.add_flag("--all-roads", arguments.drive.all_roads,
+                   "drives every road of the largest connected part at its speed limit and lists the places that fail; "
+                   "writes DIR/all_roads.csv, all_roads.json");
+  CLI::Option* route =
+      cmd.add_option(
+             "--route", arguments.drive.route.route,
+             "auto (a loop of raceways, else a good loop of 0.5 to 5 km), or names / OSM ids of ways with commas")
+          ->capture_default_str();
+  CLI::Option* via = cmd.add_option(
+      "--via", arguments.via, "x,y in metres of the site CRS; several: past these in order and back to the first");
+  arguments.idle.excludes(route, {via, all_roads});
+  arguments.idle.excludes(via, {all_roads});
+  return all_roads;
 }
 
-void add_car_options(CLI::App& cmd, RunDriveOptions& drive) {
+void add_car_options(CLI::App& cmd, RunDriveOptions& drive, IdleOptions& idle, const CLI::Option* all_roads) {
   cmd.add_option("--vehicle", drive.vehicle, "auto (sports when racing, else family), family, sports, gt3, or a file")
       ->capture_default_str();
-  cmd.add_option("--style", drive.style,
-                 "auto (racing on raceways), road (own lane, speed limits), racing (whole width, the car's limit)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DriveStyle>{
-          {"auto", DriveStyle::automatic}, {"road", DriveStyle::road}, {"racing", DriveStyle::racing}}))
-      ->default_str("auto");
-  cmd.add_option("--laps", drive.laps, "timed laps of a closed route")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  cmd.add_flag("--standing-start", drive.standing_start, "from rest; else a lap to warm up comes before the timed one");
+  idle.excludes(add_choice<DriveStyle>(
+                    cmd, "--style", drive.style,
+                    {{"auto", DriveStyle::automatic}, {"road", DriveStyle::road}, {"racing", DriveStyle::racing}},
+                    "auto (racing on raceways), road (own lane, speed limits), racing (whole width, the car's limit)"),
+                {all_roads});
+  idle.excludes(cmd.add_option("--laps", drive.laps, "timed laps of a closed route")
+                    ->check(CLI::Range(1, 1000))
+                    ->capture_default_str(),
+                {all_roads});
+  idle.excludes(cmd.add_flag("--standing-start", drive.standing_start,
+                             "of a closed route: from rest; else a lap to warm up comes before the timed one"),
+                {all_roads});
   cmd.add_flag("--stops", drive.stops, "stands where other traffic goes first");
   cmd.add_flag("--flat", drive.flat, "without the heights of the roads, to see what they change");
   cmd.add_option("--max-speed", drive.max_speed_mps, "top speed, m/s; else 36 on roads")->check(CLI::Range(3.0, 120.0));
@@ -90,8 +103,8 @@ void add_drive(CLI::App& app, Context& context) {
       "(OpenSCENARIO) and report.html.");
   cmd->add_option("--network", arguments->files.network, "OpenDRIVE file")->required();
   cmd->add_option("-o,--output", arguments->files.folder, "output folder")->required();
-  add_route_options(*cmd, *arguments);
-  add_car_options(*cmd, arguments->drive);
+  const CLI::Option* all_roads = add_route_options(*cmd, *arguments);
+  add_car_options(*cmd, arguments->drive, arguments->idle, all_roads);
   cmd->footer(
       "Examples:\n"
       "  orthodrive drive --network out/roads.xodr -o out/drive\n"

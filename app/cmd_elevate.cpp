@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // orthodrive elevate: heights and gradients for refined roads.
 
-#include <map>
 #include <memory>
-#include <string>
 
+#include "choice_option.hpp"
 #include "commands.hpp"
 #include "driving_side_option.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
-#include "orthodrive/core/error.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -16,6 +15,7 @@ namespace {
 struct ElevateCommand {
   ElevateFiles files;
   RunElevateOptions options;
+  IdleOptions idle;
 };
 }  // namespace
 
@@ -27,32 +27,31 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--roads", files.roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", files.dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")
       ->required();
-  cmd->add_option(
+  CLI::Option* log = cmd->add_option(
       "--log", files.drive_logs,
       "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
-  const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear},
-                                                        {"cubic", HeightSampling::cubic}};
-  cmd->add_option("--sampling", o.sampling, "how heights are taken between the terrain's pixels")
-      ->transform(CLI::CheckedTransformer(samplings))
-      ->default_str("cubic");
-  const std::map<std::string, HeightMethod> methods{{"default", HeightMethod::network},
-                                                    {"reference", HeightMethod::reference},
-                                                    {"moving-average", HeightMethod::moving_average}};
-  cmd->add_option(
-         "--method", o.method,
-         "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
-         "optimisation, way by way; moving-average: of the terrain along each way")
-      ->transform(CLI::CheckedTransformer(methods))
-      ->default_str("default");
-  CLI::Option* window =
-      cmd->add_option("--window", o.window, "samples of the moving average, odd; 1 is the terrain as sampled")
-          ->check(CLI::PositiveNumber)
-          ->capture_default_str();
-  cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_choice<HeightSampling>(*cmd, "--sampling", o.sampling,
+                             {{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}},
+                             "how heights are taken between the terrain's pixels");
+  CLI::Option* method = add_choice<HeightMethod>(
+      *cmd, "--method", o.method,
+      {{"default", HeightMethod::network},
+       {"reference", HeightMethod::reference},
+       {"moving-average", HeightMethod::moving_average}},
+      "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
+      "optimisation, way by way; moving-average: of the terrain along each way");
+  IdleOptions& idle = command->idle;
+  idle.read_for(cmd->add_option("--window", o.window, "of moving-average: samples, odd; 1 is the terrain as sampled")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str(),
+                method, {"moving-average"});
+  idle.read_for(cmd->add_option("--clearance", o.clearance_m,
+                                "of default, and of logs: least height of a bridge over the road below, m")
+                    ->check(CLI::NonNegativeNumber)
+                    ->capture_default_str(),
+                method, {"default"}, {log});
   add_driving_side(cmd, command->options.elevate.banking.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(
@@ -70,9 +69,8 @@ void add_elevate(CLI::App& app, Context& context) {
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o "
       "roads_3d.gpkg");
-  cmd->callback([command, window, &context] {
-    if (window->count() > 0 && command->options.elevate.heights.method != HeightMethod::moving_average)
-      throw OptionError("--window is the moving average's; give --method moving-average with it");
+  cmd->callback([command, &context] {
+    command->idle.refuse();
     StageContext stage = stage_context(context);
     print_outcome(runs().run_elevate(command->files, command->options, stage), stage);
   });

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
 
@@ -22,6 +23,7 @@ struct EvaluateCommand {
   SceneScoreOptions scene_options;
   bool strict = false;
   bool json = false;
+  IdleOptions idle;
 };
 using Command = std::shared_ptr<EvaluateCommand>;
 using Score = std::function<ScoreJson(const EvaluateCommand&)>;
@@ -32,6 +34,7 @@ CLI::App* add_kind(CLI::App* cmd, const Command& command, const char* name, cons
   CLI::App* kind = cmd->add_subcommand(name, purpose);
   kind->footer(footer);
   kind->callback([command, score] {
+    command->idle.refuse();
     const ScoreJson scores = score(*command);
     fmt::print("{}", command->json ? scores.dump(2) + "\n" : runs().to_table(scores));
     if (command->strict && !scores.at("verdict").at("pass").get<bool>())
@@ -45,6 +48,12 @@ Score of_files(ScoreJson (*Runs::*score)(const ScoreRequest&)) {
 }
 void positional(CLI::App* kind, const char* name, fs::path& path, const char* text) {
   kind->add_option(name, path, text)->required();
+}
+
+void add_region(CLI::App* kind, const Command& command) {
+  kind->add_option("--area", command->request.region.area,
+                   "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
+  kind->add_option("--ignore", command->request.region.ignore, "polygons taken out of the score");
 }
 
 void add_labels(CLI::App* cmd, const Command& command) {
@@ -65,14 +74,17 @@ void add_labels(CLI::App* cmd, const Command& command) {
   positional(labels, "PRED", command->request.scored, "label map (GeoTIFF with class table)");
   positional(labels, "TRUTH", command->request.truth,
              "label raster, polygons with `class`, polygons with a road `kind`, or a truth folder");
+  add_region(labels, command);
   labels->add_option("--merge", command->label_options.merge,
                      "TOML file of lines old = \"new\": classes taken together before counting");
   labels->add_option("--confidence", command->label_options.confidence,
                      "probability of each label (0..255) as `segment --confidence` writes it: adds the calibration");
-  labels->add_option("--html", command->label_options.page,
-                     "write a page with tables, confusion matrix and error pictures; a folder gets labels.html");
-  labels->add_option("--photo", command->label_options.photo,
-                     "orthophoto in grey under the error pictures of the page");
+  CLI::Option* html =
+      labels->add_option("--html", command->label_options.page,
+                         "write a page with tables, confusion matrix and error pictures; a folder gets labels.html");
+  command->idle.needs(labels->add_option("--photo", command->label_options.photo,
+                                         "orthophoto in grey under the error pictures of the page"),
+                      {html});
 }
 
 void add_roads(CLI::App* cmd, const Command& command) {
@@ -95,13 +107,15 @@ void add_roads(CLI::App* cmd, const Command& command) {
              "roads.gpkg; or .osm, .osm.pbf: as it is, with default widths, in the box of the truth");
   positional(roads, "TRUTH", command->request.truth,
              "polygons (id) and centre lines (of) in GeoJSON or GeoPackage, a true roads.gpkg, or a truth folder");
-
+  add_region(roads, command);
   roads->add_option("--before", command->road_options.before,
                     "the roads before refinement, in the forms of ROADS: adds moved_away");
-  roads->add_option("--overlay", command->road_options.overlay,
-                    "write a PNG: road surface that is right yellow, ours alone red, the truth's alone blue; 0.25 m a "
-                    "pixel, coarser above 4000 pixels");
-  roads->add_option("--photo", command->road_options.photo, "orthophoto in grey under the overlay");
+  CLI::Option* overlay = roads->add_option(
+      "--overlay", command->road_options.overlay,
+      "write a PNG: road surface that is right yellow, ours alone red, the truth's alone blue; 0.25 m a pixel, coarser "
+      "above 4000 pixels");
+  command->idle.needs(roads->add_option("--photo", command->road_options.photo, "orthophoto in grey under the overlay"),
+                      {overlay});
   roads->add_option("--layers", command->road_options.layers,
                     "write a GeoPackage: layers false_positive, false_negative, truth_lines, truth_samples");
 }
@@ -121,9 +135,10 @@ void add_heights(CLI::App* cmd, const Command& command) {
                of_files(&Runs::score_heights));
   positional(heights, "ROADS", command->request.scored, "roads.gpkg with heights");
   positional(heights, "TRUTH", command->request.truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
+  add_region(heights, command);
 }
 
-void add_network(CLI::App* cmd, const Command& command) {
+void add_network(CLI::App* cmd, const Command& command, const Context& context) {
   CLI::App* network = add_kind(
       cmd, command, "network", "Size and faults of an OpenDRIVE file: kinks, gaps, clearance, what hangs together.",
       "verdict: both wheel tracks of every driving lane are followed through every link; what a tyre feels there is "
@@ -132,7 +147,11 @@ void add_network(CLI::App* cmd, const Command& command) {
       "Exit code 1 where the verdict is fail and --strict is given, else 0.\n"
       "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json\n"
       "  orthodrive evaluate network out/roads.xodr --strict --findings faults.geojson --layers faults.gpkg",
-      [](const EvaluateCommand& c) { return runs().score_network(c.request, c.network_options); });
+      [&context](const EvaluateCommand& c) {
+        NetworkScoreOptions options = c.network_options;
+        options.threads = context.threads;
+        return runs().score_network(c.request, options);
+      });
   network->add_flag("--strict", command->strict, "exit code 1 when the verdict is fail");
   network->add_option("--findings", command->network_options.findings,
                       "write the places that fail as GeoJSON points (WGS84)");
@@ -168,11 +187,12 @@ void add_site(CLI::App* cmd, const Command& command) {
   site->add_option("--truth", command->request.truth,
                    "folder with labels.tif, roads.gpkg or surface.geojson, as `orthodrive synth` makes it")
       ->required();
+  add_region(site, command);
 }
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, Context&) {
+void add_evaluate(CLI::App& app, Context& context) {
   auto command = std::make_shared<EvaluateCommand>();
   CLI::App* cmd = app.add_subcommand(
       "evaluate",
@@ -181,16 +201,13 @@ void add_evaluate(CLI::App& app, Context&) {
   cmd->require_subcommand(1);
   cmd->fallthrough();
   cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
-  cmd->add_option("--area", command->request.region.area,
-                  "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
-  cmd->add_option("--ignore", command->request.region.ignore, "polygons taken out of the score");
   cmd->footer(
       "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
       "  orthodrive evaluate site out --truth site/truth --json");
   add_labels(cmd, command);
   add_roads(cmd, command);
   add_heights(cmd, command);
-  add_network(cmd, command);
+  add_network(cmd, command, context);
   add_scene(cmd, command);
   add_site(cmd, command);
 }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "orthodrive/core/stop.hpp"
 
@@ -13,16 +14,19 @@ void add_fetch(CLI::App& app, Context& context) {
     std::filesystem::path site;
     std::vector<std::string> overrides;
     remote::FetchOptions options;
+    IdleOptions idle;
   };
   auto args = std::make_shared<Arguments>();
   CLI::App* cmd =
       app.add_subcommand("fetch", "Fetches the sources that a site file names on servers into local files.");
   cmd->add_option("site", args->site, "site file (TOML) with [[fetch]] tables")->required();
   cmd->add_flag("--refresh", args->options.refresh, "ask for news of what is there (ETag, Last-Modified)");
-  cmd->add_flag("--dry-run", args->options.dry_run, "say how many tiles and about how many MB it is, fetch nothing");
-  cmd->add_option("--connections", args->options.http.connections, "to a server at once")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  const CLI::Option* dry_run = cmd->add_flag("--dry-run", args->options.dry_run,
+                                             "say how many tiles and about how many MB it is, fetch nothing");
+  args->idle.excludes(cmd->add_option("--connections", args->options.http.connections, "to a server at once")
+                          ->check(CLI::Range(1, 64))
+                          ->capture_default_str(),
+                      {dry_run});
   cmd->add_option("--attempts", args->options.http.attempts, "of a request that fails")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -45,6 +49,7 @@ void add_fetch(CLI::App& app, Context& context) {
       "  orthodrive fetch site.toml\n"
       "  orthodrive fetch site.toml --refresh --connections 2");
   cmd->callback([args, &context] {
+    args->idle.refuse();
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
     runs().run_fetch(runs().read_site(args->site, args->overrides), args->options, context.monitor);
   });

@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 
+#include "choice_option.hpp"
 #include "commands.hpp"
 #include "driving_side_option.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "stage_output.hpp"
 
@@ -18,9 +20,11 @@ struct NetworkCommand {
   NetworkFiles files;
   RunNetworkOptions options;
   std::string opendrive = "1.7", crg_format = "KRBI";
+  IdleOptions idle;
 };
 
 void build_it(NetworkCommand& command, const Context& context) {
+  command.idle.refuse();
   command.options.opendrive_minor_version = command.opendrive == "1.8" ? 8 : 7;
   command.options.crg.format = runs().crg_format_of(command.crg_format);
   StageContext stage = stage_context(context);
@@ -33,21 +37,28 @@ void build_it(NetworkCommand& command, const Context& context) {
 
 /// Grids of the surfaces of chosen roads, beside the OpenDRIVE file.
 void add_crg_options(CLI::App* cmd, NetworkCommand& command) {
-  cmd->add_option("--crg", command.options.crg.roads,
-                  "also write OpenCRG surfaces of these roads into NAME_crg/ beside the output and refer to them:\n"
-                  "ids of roads, way/ID of OSM ways, all-of-route, all; separated by commas")
-      ->delimiter(',');
-  cmd->add_flag("--crg-friction", command.options.crg.friction,
-                "beside each of them also road_ID_friction.crg, a grid of the friction of the lanes");
-  cmd->add_option("--route", command.options.crg.route, "for all-of-route: as --route of drive")->capture_default_str();
-  cmd->add_option("--crg-format", command.crg_format, "KRBI, KDBI (binary, 4 or 8 bytes a value), LRFI or LDFI (text)")
-      ->capture_default_str();
-  cmd->add_option("--crg-u-step", command.options.crg.u_step_m, "m, largest step of the grid along the road")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
-  cmd->add_option("--crg-v-step", command.options.crg.v_step_m, "m, step of the grid across the road")
-      ->check(CLI::Range(0.01, 5.0))
-      ->capture_default_str();
+  CrgFilesOptions& options = command.options.crg;
+  CLI::Option* crg =
+      cmd->add_option("--crg", options.roads,
+                      "also write OpenCRG surfaces of these roads into NAME_crg/ beside the output and refer to them:\n"
+                      "ids of roads, way/ID of OSM ways, all-of-route, all; separated by commas")
+          ->delimiter(',');
+  CLI::Option* route =
+      cmd->add_option("--route", options.route, "for --crg all-of-route: as --route of drive")->capture_default_str();
+  command.idle.read_for(route, crg, {"all-of-route"});
+  for (CLI::Option* of_crg :
+       {cmd->add_flag("--crg-friction", options.friction,
+                      "beside each of them also road_ID_friction.crg, a grid of the friction of the lanes"),
+        cmd->add_option("--crg-format", command.crg_format,
+                        "KRBI, KDBI (binary, 4 or 8 bytes a value), LRFI or LDFI (text)")
+            ->capture_default_str(),
+        cmd->add_option("--crg-u-step", options.u_step_m, "m, largest step of the grid along the road")
+            ->check(CLI::Range(0.01, 10.0))
+            ->capture_default_str(),
+        cmd->add_option("--crg-v-step", options.v_step_m, "m, step of the grid across the road")
+            ->check(CLI::Range(0.01, 5.0))
+            ->capture_default_str()})
+    command.idle.needs(of_crg, {crg});
 }
 
 /// How far the network may be from the roads that it is fitted to.
@@ -71,13 +82,14 @@ void add_network(CLI::App& app, Context& context) {
       ->required();
   cmd->add_option("-o,--output", command->files.network, "OpenDRIVE file to write (.xodr)")->required();
   cmd->add_option("--findings", command->files.findings, "also write what was odd, as GeoJSON points");
-  cmd->add_option("--opendrive", command->opendrive, "version of the file")
-      ->check(CLI::IsMember({"1.7", "1.8"}))
-      ->capture_default_str();
-  cmd->add_flag(
-      "--junction-grids", command->options.junction_grids,
-      "also write the surfaces of junctions as <boundary> and <elevationGrid> of OpenDRIVE 1.8, for readers that\n"
-      "know them; netconvert of SUMO refuses such a file");
+  CLI::Option* opendrive = cmd->add_option("--opendrive", command->opendrive, "version of the file")
+                               ->check(CLI::IsMember({"1.7", "1.8"}))
+                               ->capture_default_str();
+  command->idle.read_for(
+      cmd->add_flag("--junction-grids", command->options.junction_grids,
+                    "also write the surfaces of junctions as <boundary> and <elevationGrid> of OpenDRIVE 1.8, for "
+                    "readers that\nknow them; netconvert of SUMO refuses such a file"),
+      opendrive, {"1.8"});
   cmd->add_flag("--absolute", command->options.absolute,
                 "write coordinates of the CRS, for readers that get the header's <offset> wrong (SUMO 1.15)");
   cmd->add_flag("--check", command->options.check,
@@ -91,14 +103,9 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_option("--name", command->options.network.name, "name in the header; default: the name of the output file");
   add_tolerances(cmd, command->options.network);
   add_driving_side(cmd, command->options.network.driving_side, "right, left: where one drives");
-  cmd->add_option_function<std::string>(
-         "--weather",
-         [&weather = command->options.network.weather](const std::string& text) {
-           weather = text == "wet" ? Weather::wet : Weather::dry;
-         },
-         "dry, wet: what the friction of the lanes is for")
-      ->check(CLI::IsMember({"dry", "wet"}))
-      ->default_str(command->options.network.weather == Weather::wet ? "wet" : "dry");
+  add_choice<Weather>(*cmd, "--weather", command->options.network.weather,
+                      {{"dry", Weather::dry}, {"wet", Weather::wet}},
+                      "dry, wet: what the friction of the lanes is for");
   cmd->footer(
       "Reads roads.gpkg (layers centrelines, nodes and, for OpenCRG, roughness). Writes one OpenDRIVE file in the CRS "
       "of the roads. Roads without\n"

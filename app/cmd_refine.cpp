@@ -26,7 +26,8 @@ struct RefineCommand {
   std::optional<double> search_radius_m;  ///< each method has its own default
   std::optional<int> iterations;
   std::vector<double> width_factors;
-  OptionsOfChoices of_methods{"--method"};
+  CLI::Option* method_option = nullptr;
+  IdleOptions idle;
 };
 
 /// "1+2": one pass after the other, each a set of the reference's or four weights: "10,1,0.2,0.2".
@@ -56,7 +57,7 @@ void refine_it(RefineCommand& command, const Context& context) {
                                                            {"nlo", RefineMethod::nlo},
                                                            {"mrf", RefineMethod::mrf},
                                                            {"none", RefineMethod::none}};
-  command.of_methods.refuse_idle(command.method);
+  command.idle.refuse();
   RunRefineOptions& options = command.options;
   command.files.osm = {command.osm};
   options.method = methods.at(command.method);
@@ -76,77 +77,82 @@ void refine_it(RefineCommand& command, const Context& context) {
 }
 
 void add_nlo_options(CLI::App* cmd, RefineCommand& command) {
-  OptionsOfChoices& of = command.of_methods;
+  const auto of = [&command](CLI::Option* option, const std::vector<std::string>& methods) {
+    return command.idle.read_for(option, command.method_option, methods);
+  };
   NloRoadsOptions& nlo = command.options.nlo;
-  of.add(cmd->add_option("--weights", command.nlo_weights,
-                         "of nlo: passes with the reference's set 1 or 2, or w_c,w_a,w_w,w_o, one after the other: 1+1")
-             ->capture_default_str(),
-         {"nlo"});
-  of.add(cmd->add_option("--width-factors", command.width_factors,
-                         fmt::format("of nlo: widths from this to that many times the map's; default: {} {}",
-                                     nlo.min_width_factor, nlo.max_width_factor))
-             ->expected(2),
-         {"nlo"});
-  of.add(cmd->add_option("--strip", nlo.strip_m, "of nlo: width of the strips on both sides of a border, m")
-             ->check(CLI::Range(0.1, 20.0))
-             ->capture_default_str(),
-         {"nlo"});
-  of.add(cmd->add_option("--spacing", nlo.spacing_m, "of nlo: distance of nodes, m")
-             ->check(CLI::Range(0.2, 100.0))
-             ->capture_default_str(),
-         {"nlo"});
-  of.add(
-      cmd->add_option("--unlabelled-cost", nlo.unlabelled_cost, "of nlo: what a pixel without a label costs in a road")
-          ->check(CLI::Range(0.0, 1.0))
-          ->capture_default_str(),
-      {"nlo"});
-  of.add(cmd->add_flag("--filter-and-join", nlo.filter_and_join,
-                       "of nlo: the reference's filter of the curvature, then junctions by the rank of their roads"),
-         {"nlo"});
+  of(cmd->add_option("--weights", command.nlo_weights,
+                     "of nlo: passes with the reference's set 1 or 2, or w_c,w_a,w_w,w_o, one after the other: 1+1")
+         ->capture_default_str(),
+     {"nlo"});
+  of(cmd->add_option("--width-factors", command.width_factors,
+                     fmt::format("of nlo: widths from this to that many times the map's; default: {} {}",
+                                 nlo.min_width_factor, nlo.max_width_factor))
+         ->expected(2),
+     {"nlo"});
+  of(cmd->add_option("--strip", nlo.strip_m, "of nlo: width of the strips on both sides of a border, m")
+         ->check(CLI::Range(0.1, 20.0))
+         ->capture_default_str(),
+     {"nlo"});
+  of(cmd->add_option("--spacing", nlo.spacing_m, "of nlo: distance of nodes, m")
+         ->check(CLI::Range(0.2, 100.0))
+         ->capture_default_str(),
+     {"nlo"});
+  of(cmd->add_option("--unlabelled-cost", nlo.unlabelled_cost, "of nlo: what a pixel without a label costs in a road")
+         ->check(CLI::Range(0.0, 1.0))
+         ->capture_default_str(),
+     {"nlo"});
+  of(cmd->add_flag("--filter-and-join", nlo.filter_and_join,
+                   "of nlo: the reference's filter of the curvature, then junctions by the rank of their roads"),
+     {"nlo"});
 }
 
 void add_mrf_options(CLI::App* cmd, RefineCommand& command) {
-  OptionsOfChoices& of = command.of_methods;
-  of.add(cmd->add_option("--photo", command.files.photo, "of mrf: orthophoto, gives area and CRS"), {"mrf"});
-  of.add(cmd->add_option("--forests", command.files.forests, "of mrf: what `orthodrive forests` learned"), {"mrf"});
-  of.add(cmd->add_option("--polygons", command.polygons,
-                         "of mrf: borders by Douglas and Peucker (dp) or averaged (smooth)")
-             ->check(CLI::IsMember({"dp", "smooth"}))
-             ->capture_default_str(),
-         {"mrf"});
+  const auto of = [&command](CLI::Option* option, const std::vector<std::string>& methods) {
+    return command.idle.read_for(option, command.method_option, methods);
+  };
+  of(cmd->add_option("--photo", command.files.photo, "of mrf: orthophoto, gives area and CRS"), {"mrf"});
+  of(cmd->add_option("--forests", command.files.forests, "of mrf: what `orthodrive forests` learned"), {"mrf"});
+  of(cmd->add_option("--polygons", command.polygons, "of mrf: borders by Douglas and Peucker (dp) or averaged (smooth)")
+         ->check(CLI::IsMember({"dp", "smooth"}))
+         ->capture_default_str(),
+     {"mrf"});
 }
 
 /// Of the default method, and what others read as well.
 void add_standard_options(CLI::App* cmd, RefineCommand& command) {
-  OptionsOfChoices& of = command.of_methods;
+  const auto of = [&command](CLI::Option* option, const std::vector<std::string>& methods) {
+    return command.idle.read_for(option, command.method_option, methods);
+  };
   const RunRefineOptions& o = command.options;
-  of.add(cmd->add_option("--labels", command.files.labels,
-                         "label map of `orthodrive segment`: gives area and CRS; not for mrf"),
-         {"default", "nlo", "none"});
-  of.add(
-      cmd->add_option("--road-probability", command.files.road_probability,
-                      "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is"),
-      {"default"});
-  of.add(cmd->add_option("--alignment", command.files.alignment,
-                         "of `orthodrive segment --alignment`: where a network that sees the map has the roads"),
-         {"default"});
-  of.add(cmd->add_option("--weights-file", command.files.weights,
-                         "of default: TOML file of weights, as `orthodrive tune` writes it; default: the shipped ones"),
-         {"default"});
-  of.add(cmd->add_option("--gpx", command.files.gpx,
+  of(cmd->add_option("--labels", command.files.labels,
+                     "label map of `orthodrive segment`: gives area and CRS; not for mrf"),
+     {"default", "nlo", "none"});
+  of(cmd->add_option("--road-probability", command.files.road_probability,
+                     "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is"),
+     {"default"});
+  of(cmd->add_option("--alignment", command.files.alignment,
+                     "of `orthodrive segment --alignment`: where a network that sees the map has the roads"),
+     {"default"});
+  of(cmd->add_option("--weights-file", command.files.weights,
+                     "of default: TOML file of weights, as `orthodrive tune` writes it; default: the shipped ones"),
+     {"default"});
+  CLI::Option* gpx =
+      of(cmd->add_option("--gpx", command.files.gpx,
                          "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated"),
          {"default"});
-  add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left")->needs("--gpx");
-  of.add(cmd->add_option("--search-radius", command.search_radius_m,
-                         fmt::format("largest offset from the OSM line, m; default: {}, of nlo {}, of mrf {}",
-                                     o.standard.search_radius_m, o.nlo.max_offset_m, o.mrf.search_radius_m))
-             ->check(CLI::Range(1.0, 50.0)),
-         {"default", "nlo", "mrf"});
-  of.add(cmd->add_option("--iterations", command.iterations,
-                         fmt::format("largest number of iterations; default: {}, of each pass of nlo {}",
-                                     o.standard.max_iterations, nlo_set_1.max_iterations))
-             ->check(CLI::Range(0, 1000)),
-         {"default", "nlo"});
+  command.idle.needs(add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left"),
+                     {gpx});
+  of(cmd->add_option("--search-radius", command.search_radius_m,
+                     fmt::format("largest offset from the OSM line, m; default: {}, of nlo {}, of mrf {}",
+                                 o.standard.search_radius_m, o.nlo.max_offset_m, o.mrf.search_radius_m))
+         ->check(CLI::Range(1.0, 50.0)),
+     {"default", "nlo", "mrf"});
+  of(cmd->add_option("--iterations", command.iterations,
+                     fmt::format("largest number of iterations; default: {}, of each pass of nlo {}",
+                                 o.standard.max_iterations, nlo_set_1.max_iterations))
+         ->check(CLI::Range(0, 1000)),
+     {"default", "nlo"});
 }
 
 }  // namespace
@@ -157,11 +163,13 @@ void add_refine(CLI::App& app, Context& context) {
       app.add_subcommand("refine", "Move OSM roads onto the road seen in the labels and measure their width.");
   cmd->add_option("--osm", command->osm, "OSM roads (.osm, .osm.pbf)")->required();
   cmd->add_option("-o,--output", command->files.roads, "refined roads (GeoPackage)")->required();
-  cmd->add_option(
-         "--method", command->method,
-         "default; to compare with: nlo, the reference's, mrf, Mattyus et al. 2015, or none, the OSM roads as they are")
-      ->check(CLI::IsMember({"default", "nlo", "mrf", "none"}))
-      ->capture_default_str();
+  command->method_option =
+      cmd->add_option(
+             "--method", command->method,
+             "default; to compare with: nlo, the reference's, mrf, Mattyus et al. 2015, or none, the OSM roads "
+             "as they are")
+          ->check(CLI::IsMember({"default", "nlo", "mrf", "none"}))
+          ->capture_default_str();
   add_standard_options(cmd, *command);
   add_nlo_options(cmd, *command);
   add_mrf_options(cmd, *command);

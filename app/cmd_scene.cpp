@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // orthodrive scene: textured terrain with the roads cut in, as 3D Tiles.
 
-#include <map>
 #include <memory>
-#include <string>
 
+#include "choice_option.hpp"
 #include "commands.hpp"
 #include "load_runs.hpp"
 #include "scene_inputs.hpp"
@@ -30,10 +29,9 @@ void add_scene(CLI::App& app, Context& context) {
   cmd->add_option("--terrain-step", o.terrain_step_m, "distance of terrain vertices, m")->capture_default_str();
   cmd->add_option("--verge", o.verge_m, "width of the strip from a road's edge to the DTM, m")->capture_default_str();
   cmd->add_option("--max-texture", o.max_texture_px, "texture pixels along a tile's side")->capture_default_str();
-  cmd->add_option("--photo-format", command->options.files.photo, "of the photo in the tiles: jpeg or webp")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, io::PhotoFormat>{{"jpeg", io::PhotoFormat::jpeg}, {"webp", io::PhotoFormat::webp}}))
-      ->default_str("jpeg");
+  add_choice<io::PhotoFormat>(*cmd, "--photo-format", command->options.files.photo,
+                              {{"jpeg", io::PhotoFormat::jpeg}, {"webp", io::PhotoFormat::webp}},
+                              "of the photo in the tiles: jpeg or webp");
   cmd->add_flag_callback(
       "--uncompressed", [command] { command->options.files.compressed = false; },
       "plain floats, for readers without EXT_meshopt_compression");

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "commands.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "stage_output.hpp"
 
@@ -16,7 +17,43 @@ struct SegmentCommand {
   SegmentFiles files;
   RunSegmentOptions options;
   bool crf = false;
+  IdleOptions idle;
 };
+
+void add_map_options(CLI::App& cmd, SegmentCommand& command) {
+  CLI::Option* osm = cmd.add_option(
+      "--osm", command.files.osm,
+      "OpenStreetMap of the photo, for models that see the map beside it and for --adapt; may be repeated");
+  command.idle.needs(
+      cmd.add_option("--alignment", command.files.alignment,
+                     "with --osm: also write where such a model sees the map's roads (CSV): for `refine`"),
+      {osm});
+  CLI::Option* adapt =
+      cmd.add_flag("--adapt", command.options.adapt,
+                   "let the network first learn from this photo and its map (--osm); kept only where it gains")
+          ->needs(osm);
+  command.idle.needs(
+      cmd.add_option("--buildings", command.files.buildings, "maps with buildings for --adapt; none: those of --osm"),
+      {adapt});
+  command.idle.needs(
+      cmd.add_option("--surroundings", command.files.surroundings, "maps with water for --adapt; none: those of --osm"),
+      {adapt});
+}
+
+void add_crf_options(CLI::App& cmd, SegmentCommand& command) {
+  const CLI::Option* crf = cmd.add_flag(
+      "--crf", command.crf, "refine the labels along the photo's edges by a dense conditional random field");
+  command.idle.needs(
+      cmd.add_option("--crf-set", command.options.crf_set,
+                     fmt::format("with --crf, in place of the model's one that is not trained: {}, or numbers "
+                                 "w1,theta_alpha,theta_beta,w2,theta_gamma",
+                                 fmt::join(crf_sets | std::views::transform(&CrfSet::name), ", "))),
+      {crf});
+  command.idle.needs(cmd.add_option("--crf-iterations", command.options.crf_iterations,
+                                    "with --crf: mean-field iterations; 0: as trained")
+                         ->check(CLI::Range(0, 100)),
+                     {crf});
+}
 }  // namespace
 
 void add_segment(CLI::App& app, Context& context) {
@@ -33,27 +70,8 @@ void add_segment(CLI::App& app, Context& context) {
                   "also write the probability of road, whatever the label (GeoTIFF, 0..255): for `refine`");
   cmd->add_option("--model", command->files.model, "name in the models folder or a .safetensors file")
       ->capture_default_str();
-  cmd->add_option("--osm", command->files.osm,
-                  "OpenStreetMap of the photo, for models that see the map beside it and for --adapt; may be repeated");
-  cmd->add_option("--alignment", command->files.alignment,
-                  "also write where such a model sees the map's roads (CSV): for `refine`")
-      ->needs("--osm");
-  cmd->add_flag("--adapt", command->options.adapt,
-                "let the network first learn from this photo and its map (--osm); kept only where it gains")
-      ->needs("--osm");
-  cmd->add_option("--buildings", command->files.buildings, "maps with buildings for --adapt; none: those of --osm")
-      ->needs("--adapt");
-  cmd->add_option("--surroundings", command->files.surroundings, "maps with water for --adapt; none: those of --osm")
-      ->needs("--adapt");
-  cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
-  cmd->add_option("--crf-set", command->options.crf_set,
-                  fmt::format("in place of the model's, a CRF that is not trained: {}, or numbers "
-                              "w1,theta_alpha,theta_beta,w2,theta_gamma",
-                              fmt::join(crf_sets | std::views::transform(&CrfSet::name), ", ")))
-      ->needs("--crf");
-  cmd->add_option("--crf-iterations", command->options.crf_iterations, "mean-field iterations; 0: as trained")
-      ->check(CLI::Range(0, 100))
-      ->needs("--crf");
+  add_map_options(*cmd, *command);
+  add_crf_options(*cmd, *command);
   cmd->add_option("--window", command->options.window_px,
                   "pixels decided at once, in each direction; 0: as suits memory; the labels do not depend on it")
       ->capture_default_str();
@@ -73,6 +91,7 @@ void add_segment(CLI::App& app, Context& context) {
       "  orthodrive segment ortho.tif -o labels.tif --confidence confidence.tif --model out/train/model.safetensors\n"
       "  orthodrive segment ortho.tif --adapt --osm town.osm -o labels.tif");
   cmd->callback([command, &context] {
+    command->idle.refuse();
     if (command->crf) command->options.crf = CrfUse::trained_or_reference;
     StageContext stage = stage_context(context);
     for (const Finding& finding : runs().run_segment(command->files, command->options, stage).findings)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "idle_options.hpp"
 #include "load_runs.hpp"
 #include "stage_output.hpp"
 
@@ -18,6 +19,7 @@ struct SynthArguments {
   std::string preset = "village";
   SynthFiles files;
   SynthOptions options;
+  IdleOptions idle;
 };
 
 const std::map<std::string, Preset> presets{
@@ -25,16 +27,16 @@ const std::map<std::string, Preset> presets{
     {"region", Preset::region},   {"conurbation", Preset::conurbation}, {"grid", Preset::grid},
     {"lanes", Preset::lanes},     {"farmland", Preset::farmland}};
 /// A real track in place of a preset.
-CLI::Option* add_track(CLI::App& cmd, CLI::Option& preset, SynthFiles& files) {
+CLI::Option* add_track(CLI::App& cmd, SynthFiles& files, IdleOptions& idle) {
   CLI::Option* track = cmd.add_option("--from-track", files.track,
                                       "CSV of a real closed track: w_tr_right_m, w_tr_left_m, utm33_e, utm33_n; "
-                                      "paints a site round its edges, with --size the country round it, too")
-                           ->excludes(&preset);
-  cmd.add_option("--track-osm", files.track_osm, "its OSM ways, kept as they are (default: the truth, disturbed)")
-      ->needs(track);
-  cmd.add_option("--track-heights", files.track_heights,
-                 "CSV of heights along it: lon, lat, elev_m (default: made-up hills)")
-      ->needs(track);
+                                      "paints a site round its edges, with --size the country round it, too");
+  idle.needs(
+      cmd.add_option("--track-osm", files.track_osm, "its OSM ways, kept as they are (default: the truth, disturbed)"),
+      {track});
+  idle.needs(cmd.add_option("--track-heights", files.track_heights,
+                            "CSV of heights along it: lon, lat, elev_m (default: made-up hills)"),
+             {track});
   return track;
 }
 }  // namespace
@@ -76,7 +78,8 @@ void add_synth(CLI::App& app, Context& context) {
       ->capture_default_str();
   cmd->add_option("--osm-offset-max", options.osm_offset_max_m, "largest distance of OSM from the truth in metres")
       ->capture_default_str();
-  CLI::Option* track = add_track(*cmd, *preset, arguments->files);
+  CLI::Option* track = add_track(*cmd, arguments->files, arguments->idle);
+  arguments->idle.excludes(preset, {track});
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
@@ -86,6 +89,7 @@ void add_synth(CLI::App& app, Context& context) {
       "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region, a conurbation and a track with a size are made tile by "
       "tile.");
   cmd->callback([arguments, size, gsd, track, &context] {
+    arguments->idle.refuse();
     const bool is_track = track->count() > 0;
     const bool is_region = !is_track && made_by_tiles(presets.at(arguments->preset));
     if (is_track && size->count() > 0) arguments->files.track_size_m = arguments->options.size_m;

@@ -2,19 +2,14 @@
 #pragma once
 // --driving-side of every command that asks for it.
 
-#include <CLI/CLI.hpp>
-#include <string>
-
+#include "choice_option.hpp"
 #include "orthodrive/model/driving_side.hpp"
 
 namespace orthodrive::app {
 
 inline CLI::Option* add_driving_side(CLI::App* cmd, DrivingSide& side, const std::string& what_for) {
-  return cmd
-      ->add_option_function<std::string>(
-          "--driving-side", [&side](const std::string& text) { side = driving_side_of(text); }, what_for)
-      ->check(CLI::IsMember({"right", "left"}))
-      ->default_str(to_string(side));
+  return add_choice<DrivingSide>(*cmd, "--driving-side", side,
+                                 {{"right", DrivingSide::right}, {"left", DrivingSide::left}}, what_for);
 }
 
 }  // namespace orthodrive::app

@@ -71,6 +71,8 @@ Arguments parse_arguments(const std::vector<std::string>& words) {
       arguments.pack = word;
   }
   if (arguments.help) return arguments;
+  if (arguments.crf && !arguments.weights.empty())
+    throw OptionError("--weights changes nothing with --crf: it goes on from the model in the folder");
   if (arguments.pack.empty()) throw OptionError("the packed data set is missing, see --help");
   if (arguments.out.empty()) throw OptionError("-o is missing: the folder to train into");
   return arguments;

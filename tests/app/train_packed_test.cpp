@@ -120,6 +120,7 @@ TEST_F(TrainPacked, wrong_input_is_named) {
   expect_failure(run_trainer({pack}), 2, "-o is missing");
   expect_failure(run_trainer({pack, "-o", out, "--threads", "two"}), 2, "--threads two");
   expect_failure(run_trainer({pack, "-o", out, "--crf"}), 2, "model.safetensors is missing");
+  expect_failure(run_trainer({pack, "-o", out, "--crf", "--weights", weights}), 2, "--weights changes nothing");
   EXPECT_FALSE(fs::exists(out / "model.safetensors"));
   // A folder with a training in it is not begun anew.
   fs::create_directories(out);

@@ -308,7 +308,6 @@ TEST_F(LabelPage, pieces_stand_for_the_worst_places_and_a_file_name_is_taken_as_
 }
 
 TEST_F(LabelPage, options_and_files_that_do_not_fit) {
-  EXPECT_THROW(score({.photo = scratch_ / "photo.tif"}), OptionError) << "nothing to show it on";
   io::write_geojson(scratch_ / "roads.geojson", {square(0, 20, 64, 30, {{"kind", "road"}})}, utm33);
   EXPECT_THROW(score({.page = scratch_ / "page"}, "roads.geojson"), OptionError);
   EXPECT_DOUBLE_EQ(score({}, "roads.geojson")["road_iou"], 0.9);

@@ -151,6 +151,9 @@ StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, c
                        StageContext& context) {
   if (options.all_roads) return run_all_roads(files, map, options, context);
   const Route route = find_route(map, options.route);
+  if (!route.closed && (options.laps > 1 || options.standing_start))
+    throw OptionError(fmt::format("{} changes nothing: the route {} is not closed, so it has no laps",
+                                  options.laps > 1 ? "--laps" : "--standing-start", route.name));
   const bool racing =
       options.style == DriveStyle::racing || (options.style == DriveStyle::automatic && mostly_raceway(map, route));
   const roadquery::RoadQuery query(map);

@@ -49,7 +49,6 @@ fs::path car_file(const std::string& car) {
 }  // namespace
 
 StageOutcome run_fmu(const FmuFiles& files, const FmuOptions& options, StageContext&) {
-  if (!files.terrain.empty() && files.network.empty()) throw OptionError("a terrain needs a network that it surrounds");
   std::vector<io::FmuResource> resources;
   if (!files.network.empty()) add_network(files, resources);
   const fmu::ModelKind& kind = files.car.empty() ? fmu::road_model() : fmu::car_model();

@@ -116,7 +116,11 @@ struct SegmentInputs {
     if (run.adapt && files.osm.empty())
       throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
     if (!run.adapt && !model.sees_map && !files.osm.empty())
-      throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take a model that does");
+      throw OptionError(fmt::format("--osm changes nothing: {} sees no map; leave it out, or take a model that does",
+                                    model_file.string()));
+    if (!run.site && !model.sees_map && !files.alignment.empty())
+      throw OptionError(fmt::format(
+          "--alignment changes nothing: {} sees no map; leave it out, or take a model that does", model_file.string()));
     if (!files.osm.empty()) roads = &context.sources.osm(files.osm, site).roads;
     map = road_map(seen());
     places = places_of(seen());

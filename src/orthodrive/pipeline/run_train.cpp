@@ -185,10 +185,8 @@ void preview_training(const TrainFiles& files, StageContext& context) {
                   preview_crops(data.scenes, open.experiment.train, spec.gsd_m, train_part().map_classes(classes)));
 }
 
-void pack_training(const TrainFiles& files, const fs::path& pack, const RunTrainOptions& options,
-                   StageContext& context) {
+void pack_training(const TrainFiles& files, const fs::path& pack, StageContext& context) {
   const OpenExperiment open = open_experiment(files, context);
-  if (!files.folder.empty()) train_part().prepare_training_folder(files.folder, options.resume, options.crf);
   TrainingData data = read_data(open, files.experiment, context);
   const NetworkSpec& spec = open.network.spec;
   PackedScenes packed{

@@ -27,10 +27,8 @@ void run_train(const TrainFiles& files, const RunTrainOptions& options, StageCon
 void preview_training(const TrainFiles& files, StageContext& context);
 
 /// The data set and all that training needs to know as one safetensors file, for `orthodrive-train`, which has neither
-/// GDAL nor protobuf: Caffe models become safetensors beside the pack. With a folder: throws as run_train when it holds
-/// a training.
-void pack_training(const TrainFiles& files, const std::filesystem::path& pack, const RunTrainOptions& options,
-                   StageContext& context);
+/// GDAL nor protobuf: Caffe models become safetensors beside the pack.
+void pack_training(const TrainFiles& files, const std::filesystem::path& pack, StageContext& context);
 
 struct MeasureOptions {
   std::string model;              ///< name in a models folder, or a file

@@ -25,8 +25,6 @@ namespace fs = std::filesystem;
 
 namespace {
 void check_options(const LabelScoreOptions& options, bool truth_has_classes) {
-  if (!options.photo.empty() && options.page.empty())
-    throw OptionError("--photo is shown on the page of --html; give both");
   if (!truth_has_classes && !(options.merge.empty() && options.confidence.empty() && options.page.empty()))
     throw OptionError("the truth knows roads only; --merge, --confidence and --html need truth with classes");
 }
@@ -133,8 +131,6 @@ RoadNetwork in_crs(RoadNetwork roads, const Crs& crs) {
 }  // namespace
 
 ScoreJson score_roads(const ScoreRequest& request, const RoadScoreOptions& options) {
-  if (!options.photo.empty() && options.overlay.empty())
-    throw OptionError("--photo is shown in the picture of --overlay; give both");
   const RoadNetwork roads = read_scored_roads(request.scored, request.truth);
   const RoadTruth truth = read_road_truth(request.truth, roads.crs);
   const ScoreRegion region = read_region(request.region, roads.crs);
