@@ -4,6 +4,10 @@ results hang on what the thesis leaves open, on sites with exact truth. Writes d
 site, 11 a real one.
 """
 
+import math
+import random
+import re
+
 from measuring import refine
 from measuring.common import (
     PAGES,
@@ -54,6 +58,21 @@ OPEN = {  # one thing changed at a time
     "nodes every 1 m": ["--spacing", "1"],
     "nodes every 4 m": ["--spacing", "4"],
 }
+SCATTER_M = (0, 1, 2, 3)  # of each node of the map by itself: standard deviation in x and y
+SCATTERED = ("village", "ring")
+
+
+def scatter(source, target, size_m):
+    """OSM whose nodes each err by themselves."""
+    chance = random.Random(1)
+    north = 111320
+
+    def moved(match):
+        lat, lon = map(float, match.groups())
+        up, right = (chance.gauss(0, size_m) / north for _ in range(2))
+        return f'lat="{lat + up:.8f}" lon="{lon + right / math.cos(math.radians(lat)):.8f}"'
+
+    target.write_text(re.sub(r'lat="([-\d.]+)" lon="([-\d.]+)"', moved, source.read_text()))
 
 
 def add_arguments(parser):
@@ -70,13 +89,14 @@ class Runs:
         self.out.mkdir(parents=True, exist_ok=True)
         self.numbers = read_results(STORE, {"runs": {}})
 
-    def score(self, site, name, options):
+    def score(self, site, name, options, osm=None):
         given, truth, more = self.sites.of(site)
+        osm = osm or given["osm"]
         file, before = self.out / f"{site}.gpkg", self.out / f"{site}.map.gpkg"
         tool = self.sites.tool
         if not before.exists():
             tool("refine", "--osm", given["osm"], "--labels", given["labels"], "-o", before, "--method", "none")
-        seconds = tool.timed("refine", "--osm", given["osm"], "--labels", given["labels"], "-o", file, *options)
+        seconds = tool.timed("refine", "--osm", osm, "--labels", given["labels"], "-o", file, *options)
         scores = tool.json("evaluate", "roads", file, truth, "--before", before, *more, "--json")
         self.numbers["runs"][f"{site}, {name}"] = {
             "commit": self.commit,
@@ -95,6 +115,13 @@ class Runs:
         for name, options in OPEN.items() if site in refine.SYNTHETIC else ():
             for weights in ("1", "1+2"):
                 self.score(site, f"{name}, {weights}", ["--method", "nlo", "--weights", weights, *options])
+        for size_m in SCATTER_M if site in SCATTERED else ():
+            osm = self.out / f"{site}.scattered.osm"
+            scatter(given["osm"], osm, size_m)
+            for weights in ("1", "2", "1+2"):
+                name = f"scattered by {size_m} m, {weights}"
+                self.score(site, name, ["--method", "nlo", "--weights", weights], osm)
+            self.score(site, f"scattered by {size_m} m, default", ["--road-probability", given["probability"]], osm)
 
 
 def published_table(runs):
@@ -123,10 +150,20 @@ def open_table(runs):
     return text
 
 
+def scatter_table(runs):
+    methods = {"1": "set 1", "2": "set 2", "1+2": "set 1+2", "default": "default"}
+    text = header(["IoU %", *(f"{SITES[s]}: {title}" for s in SCATTERED for title in methods.values())])
+    for size_m in SCATTER_M:
+        found = [runs.get(f"{s}, scattered by {size_m} m, {m}") for s in SCATTERED for m in methods]
+        text += row([f"nodes off by {size_m} m", *(percent(r["surface_iou"]) if r else "-" for r in found)])
+    return text
+
+
 def run(args):
     if not args.table:
         runs = Runs(args)
         for site in args.only:
             runs.measure(site)
     runs = read_results(STORE, {"runs": {}})["runs"]
-    write_page(PAGE, [STORE], {"table 3.4": published_table(runs), "open": open_table(runs)})
+    tables = {"table 3.4": published_table(runs), "open": open_table(runs), "scatter": scatter_table(runs)}
+    write_page(PAGE, [STORE], tables)
