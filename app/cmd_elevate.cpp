@@ -50,6 +50,9 @@ void add_elevate(CLI::App& app, Context& context) {
       cmd->add_option("--window", o.window, "samples of the moving average, odd; 1 is the terrain as sampled")
           ->check(CLI::PositiveNumber)
           ->capture_default_str();
+  CLI::Option* loss = cmd->add_option("--loss", o.loss_m, "scale of the reference's Cauchy loss, m")
+                          ->check(CLI::PositiveNumber)
+                          ->capture_default_str();
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -70,9 +73,12 @@ void add_elevate(CLI::App& app, Context& context) {
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o "
       "roads_3d.gpkg");
-  cmd->callback([command, window, &context] {
-    if (window->count() > 0 && command->options.elevate.heights.method != HeightMethod::moving_average)
+  cmd->callback([command, window, loss, &context] {
+    const HeightMethod method = command->options.elevate.heights.method;
+    if (window->count() > 0 && method != HeightMethod::moving_average)
       throw OptionError("--window is the moving average's; give --method moving-average with it");
+    if (loss->count() > 0 && method != HeightMethod::reference)
+      throw OptionError("--loss is the reference's; give --method reference with it");
     StageContext stage = stage_context(context);
     print_outcome(runs().run_elevate(command->files, command->options, stage), stage);
   });

@@ -32,6 +32,8 @@ void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const 
   if (options.window < 1 || options.window % 2 == 0)
     throw OptionError(
         fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
+  if (!(options.loss_m > 0.0))
+    throw OptionError(fmt::format("elevate: the loss of the reference is {} m, need more than 0", options.loss_m));
   if (options.max_iterations < 1) throw OptionError("elevate: need at least one iteration");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("elevate: way {} has fewer than two nodes", path.osm_id));
@@ -268,7 +270,7 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
       break;
     case HeightMethod::reference: {
       leave_out_structures(roads, {}, terrain);
-      const ReferenceHeights profiles = reference_heights(roads, as_sampled, options.max_iterations);
+      const ReferenceHeights profiles = reference_heights(roads, as_sampled, {options.loss_m, options.max_iterations});
       result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
                       profiles.solve.cost_after};
       write_way_profiles(profiles.z_m, result.roads);

@@ -16,7 +16,7 @@ namespace orthodrive {
 
 enum class HeightMethod {
   network,         ///< all roads at once: C2 profiles, tangent planes at junctions, limits of the road class, bridges
-  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy 0.5
+  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy loss
   moving_average,  ///< way by way over `window` samples, as the reference's table 3.6; 1 is the terrain as sampled
 };
 
@@ -24,6 +24,7 @@ struct ElevateOptions {
   HeightMethod method = HeightMethod::network;
   HeightSampling sampling = HeightSampling::cubic;
   int window = 35;           ///< samples of the moving average, odd
+  double loss_m = 0.5;       ///< scale of the reference's Cauchy loss (baselines/reference_heights.hpp)
   double clearance_m = 4.7;  ///< of a bridge's surface over the road below, of a road over a tunnel's surface
   int max_iterations = 50;   ///< of each solve
   int threads = 0;           ///< 0 = all cores; the result does not depend on it
