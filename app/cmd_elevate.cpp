@@ -30,6 +30,8 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option(
       "--log", files.drive_logs,
       "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
+  cmd->add_option("--control-points", files.control_points,
+                  "known heights of roads and clearances of decks (points of GeoJSON or GeoPackage); may be repeated");
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
   const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear},
@@ -53,32 +55,40 @@ void add_elevate(CLI::App& app, Context& context) {
   CLI::Option* loss = cmd->add_option("--loss", o.loss_m, "scale of the reference's Cauchy loss, m")
                           ->check(CLI::PositiveNumber)
                           ->capture_default_str();
-  cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  CLI::Option* clearance =
+      cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str();
   add_driving_side(cmd, command->options.elevate.banking.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(
-      "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient, banking and crown and "
+      "Reads roads, terrain, control points and drive logs if there are any; writes the roads with z, gradient, "
+      "banking and crown and "
       "their\n"
       "standard deviations (of z: default method only). Banking and crown are measured where terrain of 2 m or finer "
       "shows them,\n"
       "else taken from design rules (banking_source). Where a log was driven: banking with the source 'log' and a "
       "layer of\n"
-      "roughness (ISO 8608) as well.\n"
+      "roughness (ISO 8608) as well. Fields of a control point: z_m (of the road) or clearance_m (of a deck over the "
+      "road "
+      "below),\n"
+      "and where known sigma_m (0.05), osm_id, layer.\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o "
       "roads_3d.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --control-points heights.geojson -o roads_3d.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o "
       "roads_3d.gpkg");
-  cmd->callback([command, window, loss, &context] {
+  cmd->callback([command, window, loss, clearance, &context] {
     const HeightMethod method = command->options.elevate.heights.method;
     if (window->count() > 0 && method != HeightMethod::moving_average)
       throw OptionError("--window is the moving average's; give --method moving-average with it");
     if (loss->count() > 0 && method != HeightMethod::reference)
       throw OptionError("--loss is the reference's; give --method reference with it");
+    if (clearance->count() > 0 && method != HeightMethod::network)
+      throw OptionError("--clearance is the default method's; leave it out, or --method");
     StageContext stage = stage_context(context);
     print_outcome(runs().run_elevate(command->files, command->options, stage), stage);
   });
