@@ -704,7 +704,8 @@ def dent(numbers):
         return ""
     text = (
         "\n### Table 3.6 of the reference: ours / published\n\nThe ring with an error. E_h is against the terrain as "
-        "the method samples it, with the error (terrain) and\nwithout (corrected). Why this error, and why this loss: "
+        "the method samples it, with the error (terrain) and\nwithout (corrected). An error to the corrected terrain "
+        "may be less than half of the published one.\nWhy this error, and why this loss: "
         f"[notes](../notes/elevate.md).\n\n{dent_table(numbers)}\n"
     )
     text += "NLO with one thing changed; 0.5 m, 2 m, 5.5 m and 0.005 m are those of the table above.\n\n"
