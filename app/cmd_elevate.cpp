@@ -30,6 +30,9 @@ void add_elevate(CLI::App& app, Context& context) {
   CLI::Option* log = cmd->add_option(
       "--log", files.drive_logs,
       "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
+  CLI::Option* control_points = cmd->add_option(
+      "--control-points", files.control_points,
+      "of default: known heights of roads and clearances of decks (points of GeoJSON or GeoPackage); may be repeated");
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
   add_choice<HeightSampling>(*cmd, "--sampling", o.sampling,
@@ -47,6 +50,11 @@ void add_elevate(CLI::App& app, Context& context) {
                     ->check(CLI::PositiveNumber)
                     ->capture_default_str(),
                 method, {"moving-average"});
+  idle.read_for(cmd->add_option("--loss", o.loss_m, "of reference: scale of its Cauchy loss, m")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str(),
+                method, {"reference"});
+  idle.read_for(control_points, method, {"default"});
   idle.read_for(cmd->add_option("--clearance", o.clearance_m,
                                 "of default, and of logs: least height of a bridge over the road below, m")
                     ->check(CLI::NonNegativeNumber)
@@ -55,18 +63,21 @@ void add_elevate(CLI::App& app, Context& context) {
   add_driving_side(cmd, command->options.elevate.banking.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(
-      "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient, banking and crown and "
-      "their\n"
-      "standard deviations (of z: default method only). Banking and crown are measured where terrain of 2 m or finer "
-      "shows them,\n"
-      "else taken from design rules (banking_source). Where a log was driven: banking with the source 'log' and a "
-      "layer of\n"
-      "roughness (ISO 8608) as well.\n"
+      "Reads roads, terrain, control points and drive logs if there are any; writes the roads with z, gradient, "
+      "banking and\n"
+      "crown and their standard deviations (of z: default method only). Banking and crown are measured where terrain "
+      "of 2 m or\n"
+      "finer shows them, else taken from design rules (banking_source). Where a log was driven: banking with the "
+      "source 'log'\n"
+      "and a layer of roughness (ISO 8608) as well. Fields of a control point: z_m (of the road) or clearance_m (of a "
+      "deck over\n"
+      "the road below), and where known sigma_m (0.05), osm_id, layer.\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o "
       "roads_3d.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --control-points heights.geojson -o roads_3d.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o "
       "roads_3d.gpkg");
   cmd->callback([command, &context] {

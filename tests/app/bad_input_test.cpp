@@ -128,6 +128,16 @@ TEST(BadInput, drive_log_with_a_broken_line) {
   small.expect_build_failure(log, "sources.drive_logs=[\"" + log + "\"]");
 }
 
+TEST(BadInput, control_points_without_a_height) {
+  const SmallSite small;
+  const std::string points = small.scratch / "heights.geojson";
+  write_bytes(points,
+              R"({"type":"Feature","properties":{"z":3},"geometry":{"type":"Point","coordinates":[12.0,57.6]}})");
+  small.expect_failure(points, {"elevate", "--roads", small.site / "truth/roads.gpkg", "--dtm",
+                                small.site / "dtm_1m.tif", "--control-points", points, "-o", small.out / "roads.gpkg"});
+  small.expect_build_failure(points, "sources.control_points=[\"" + points + "\"]");
+}
+
 TEST(BadInput, class_table_that_does_not_match_the_weights) {
   const SmallSite small;
   // A model file is 8 bytes of length, that many bytes of JSON, and the weights.

@@ -38,7 +38,7 @@ double energy(const std::vector<double>& z, const std::vector<double>& terrain) 
   double sum = 0.0;
   for (std::size_t n = 0; n < z.size(); ++n) {
     const double e = 0.2 * (z[n] - terrain[n]);
-    sum += 0.25 * std::log(1.0 + e * e / 0.25);
+    sum += 0.01 * std::log(1.0 + e * e / 0.01);  // 0.5 m, of which the weight makes 0.1
     if (n + 1 < z.size()) sum += std::pow(1.2 * (z[n + 1] - z[n]) / 2.0, 2);
     if (n > 0 && n + 1 < z.size()) sum += std::pow(12.0 * ((z[n + 1] - z[n]) - (z[n] - z[n - 1])) / 2.0, 2);
   }
@@ -48,7 +48,7 @@ double energy(const std::vector<double>& z, const std::vector<double>& terrain) 
 TEST(ReferenceHeights, are_a_minimum_of_the_published_energy) {
   std::vector<double> terrain;
   for (int i = 0; i < 40; ++i) terrain.push_back(50.0 + 0.5 * std::sin(0.4 * i) + (i == 20 ? 4.0 : 0.0));
-  const ReferenceHeights result = reference_heights(straight_way(40), {terrain}, 100);
+  const ReferenceHeights result = reference_heights(straight_way(40), {terrain}, {.max_iterations = 100});
   EXPECT_TRUE(result.solve.converged);
   const std::vector<double>& z = result.z_m[0];
   const double least = energy(z, terrain);
@@ -68,9 +68,9 @@ TEST(ReferenceHeights, ways_share_nothing_and_flat_terrain_stays) {
   const std::vector<double> flat(10, 7.0);
   std::vector<double> hill = flat;
   hill[5] = 9.0;
-  const ReferenceHeights both = reference_heights(roads, {flat, hill}, 50);
+  const ReferenceHeights both = reference_heights(roads, {flat, hill});
   EXPECT_THAT(both.z_m[0], testing::Each(testing::DoubleNear(7.0, 1e-9)));
-  const ReferenceHeights alone = reference_heights(straight_way(10), {hill}, 50);
+  const ReferenceHeights alone = reference_heights(straight_way(10), {hill});
   EXPECT_THAT(both.z_m[1], testing::Pointwise(testing::DoubleNear(1e-4), alone.z_m[0]));
 }
 

@@ -84,6 +84,7 @@ def make_folder(folder, tool, sites):
     make_models(folder)
     (folder / "sites").mkdir()
     make_track(folder)
+    make_control_points(folder)
     text = (small_site / "site.toml").read_text()
     for name in ("ortho.tif", "roads.osm", "dtm_1m.tif", "dtm_10m.tif", "truth"):
         text = text.replace(f'"{name}"', f'"{folder / "site" / name}"')
@@ -167,6 +168,14 @@ def make_track(folder):
     refs = "".join(f'<nd ref="{i % 90 + 1}"/>' for i in range(91))
     way = f'<way id="7">{refs}<tag k="highway" v="raceway"/></way>'
     (folder / "track.osm").write_text(f'<osm version="0.6">{"".join(nodes)}{way}</osm>')
+
+
+def make_control_points(folder):
+    """A height on a road of the small site."""
+    truth = json.loads((folder / "site/truth/centrelines.geojson").read_text())
+    place = {"type": "Point", "coordinates": truth["features"][0]["geometry"]["coordinates"][0]}
+    point = {"type": "Feature", "properties": {"z_m": 400.0}, "geometry": place}
+    (folder / "heights.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [point]}))
 
 
 def reference(code):

@@ -290,7 +290,7 @@ double reference_cost(const RoadPath& path, const std::vector<double>& z, const 
   for (const double g : gradient) cost += 0.5 * std::pow(1.2 * g, 2);
   for (std::size_t n = 1; n < gradient.size(); ++n) cost += 0.5 * std::pow(12.0 * (gradient[n] - gradient[n - 1]), 2);
   for (std::size_t n = 0; n < z.size(); ++n)
-    cost += 0.5 * 0.25 * std::log1p(std::pow(0.2 * (z[n] - terrain[n]), 2) / 0.25);
+    cost += 0.5 * 0.04 * 0.25 * std::log1p(std::pow((z[n] - terrain[n]) / 0.5, 2));
   return cost;
 }
 

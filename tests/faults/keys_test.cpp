@@ -50,6 +50,7 @@ TEST(Keys, each_option_and_source_reruns_what_depends_on_it) {
            {{"elevate.sampling=bilinear"}, "ttrddd", "option elevate.sampling was \"cubic\", is \"bilinear\""},
            {{"sources.dtm=['other.tif', 'dtm_1m.tif']"}, "ttrddr", "source dtm: other.tif is new"},
            {{"sources.drive_logs=log.csv"}, "ttrddd", "source drive_logs: log.csv is new"},
+           {{"sources.control_points=log.csv"}, "ttrddd", "source control_points: log.csv is new"},
            {{"name=Other"}, "tttrdd", "option name was "},
            {{"network.weather=wet"}, "tttrdd", "option network.weather was \"dry\", is \"wet\""},
            {{"network.opendrive='1.8'"}, "tttrdd", "option network.opendrive was \"1.7\", is \"1.8\""},

@@ -14,6 +14,7 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/caffe_model.hpp"
+#include "orthodrive/io/control_point_reader.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/npy_reader.hpp"
@@ -234,6 +235,11 @@ TEST(FuzzReaders, geojson_buildings) {
     Findings findings;
     (void)io::read_buildings({file}, site, &findings);
   });
+}
+TEST(FuzzReaders, control_points_geojson) {
+  const SiteFrame site = lonlat_site(14.99, 49.99, 15.01, 50.01);
+  const std::string sample = bytes_of(paths::in_source("tests/fuzz/corpus/control_points/heights.geojson"));
+  expect_survives("a.geojson", sample, [&](const fs::path& file) { (void)io::read_control_points({file}, site); });
 }
 TEST(FuzzReaders, drive_log_csv) {
   const SiteFrame site = lonlat_site(14.99, 49.99, 15.01, 50.01);

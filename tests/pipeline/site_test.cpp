@@ -96,6 +96,13 @@ TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
   EXPECT_EQ(site.drive_logs[1].filename(), "segment");
 }
 
+TEST(Site, height_control_points_are_sources_that_a_site_may_have) {
+  EXPECT_TRUE(read_site(site_file(area + sources)).control_points.empty());
+  const Site site = read_site(site_file(area + sources + "control_points='heights.geojson'\n"));
+  ASSERT_EQ(site.control_points.size(), 1u);
+  EXPECT_EQ(site.control_points[0].filename(), "heights.geojson");
+}
+
 TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   const Site without = read_site(site_file(area + sources));
   EXPECT_TRUE(without.gpx.empty());

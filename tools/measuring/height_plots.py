@@ -11,6 +11,7 @@ COLORS = {
     "ma35": "#d9820f",
     "ma67": "#b34a1f",
     "reference": "#2f6fde",
+    "residual": "#8fb0ea",
     "default": "#0f9d58",
     "truth": "#111111",
 }
@@ -20,6 +21,7 @@ TITLES = {
     "ma35": "moving average (35)",
     "ma67": "moving average (67)",
     "reference": "NLO (reference)",
+    "residual": "NLO, loss of 2.5 m",
     "default": "default",
     "truth": "true road",
 }

@@ -27,9 +27,9 @@ NodeHeights moving_average(const RoadNetwork& roads, const NodeHeights& terrain_
   return result;
 }
 
-ReferenceHeights reference_heights(const RoadNetwork& roads, const NodeHeights& terrain_m, int max_iterations) {
+ReferenceHeights reference_heights(const RoadNetwork& roads, const NodeHeights& terrain_m,
+                                   const ReferenceHeightsOptions& options) {
   constexpr double weight_gradient = 1.2, weight_gradient_change = 12.0, weight_height = 0.2;  // table 3.5
-  constexpr double cauchy = 0.5;          // "normalization value", of the weighted residual
   constexpr double shortest_run_m = 0.1;  // nodes on top of each other must not give endless gradients
   constexpr double step_tolerance_m = 1e-5;
   std::size_t unknowns = 0;
@@ -43,7 +43,7 @@ ReferenceHeights reference_heights(const RoadNetwork& roads, const NodeHeights& 
     double run_before_m = 0.0;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const int here = first + static_cast<int>(n);
-      fit.add_cauchy(std::array{Term{here, weight_height}}, weight_height * terrain_m[k][n], 1.0, cauchy);
+      fit.add_cauchy(std::array{Term{here, 1.0}}, terrain_m[k][n], weight_height * weight_height, options.loss_m);
       if (n + 1 == nodes.size()) break;
       const double run_m = std::max(shortest_run_m, distance(nodes[n].p, nodes[n + 1].p));
       const double g = weight_gradient / run_m, after = weight_gradient_change / run_m,
@@ -56,7 +56,7 @@ ReferenceHeights reference_heights(const RoadNetwork& roads, const NodeHeights& 
     }
   }
   ReferenceHeights result;
-  result.solve = fit.solve(x, max_iterations, step_tolerance_m);
+  result.solve = fit.solve(x, options.max_iterations, step_tolerance_m);
   auto from = x.begin();
   for (const auto& z : terrain_m) {
     result.z_m.emplace_back(from, from + static_cast<std::ptrdiff_t>(z.size()));

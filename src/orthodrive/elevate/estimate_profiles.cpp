@@ -32,6 +32,10 @@ void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const 
   if (options.window < 1 || options.window % 2 == 0)
     throw OptionError(
         fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
+  if (options.method != HeightMethod::network && !options.control_points.empty())
+    throw OptionError("elevate: height control points are the default method's; leave them out, or --method");
+  if (!(options.loss_m > 0.0))
+    throw OptionError(fmt::format("elevate: the loss of the reference is {} m, need more than 0", options.loss_m));
   if (options.max_iterations < 1) throw OptionError("elevate: need at least one iteration");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("elevate: way {} has fewer than two nodes", path.osm_id));
@@ -193,7 +197,7 @@ std::vector<HeightLimit> solve_network(const std::vector<GradeSeparation>& level
     solve(limits, 1.0);
     bool changed = false;
     for (std::size_t i = 0; i < levels.size(); ++i)
-      if (levels[i].has_room && room_m(levels[i], profiles) < options.clearance_m - 1e-6)
+      if (levels[i].has_room && !levels[i].is_measured && room_m(levels[i], profiles) < options.clearance_m - 1e-6)
         changed = true, tight[i] = true;
     if (!changed) break;
     limits = clearance_limits(levels, tight, profiles, options.clearance_m);
@@ -216,13 +220,14 @@ void report_clearance(const RoadNetwork& roads, const std::vector<GradeSeparatio
 
 void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const ElevateOptions& options,
                       Monitor* monitor, EstimateProfilesResult& result) {
-  const std::vector<GradeSeparation> levels = find_grade_separations(roads, terrain, result.findings);
+  std::vector<GradeSeparation> levels = find_grade_separations(roads, terrain, result.findings);
+  const ControlHeights control = match_control_points(roads, options.control_points, levels, result.findings);
   leave_out_structures(roads, untagged_spans(roads, levels), terrain);
   const NodeHeights start = start_heights(roads, terrain);
   const PathLinks links = link_path_ends(roads);
   const ProfileChains chains = make_profile_chains(roads, links);
   const std::vector<PathJunction> junctions = find_junctions(roads, links);
-  NetworkProfiles profiles(roads, chains, junctions, terrain, start);
+  NetworkProfiles profiles(roads, chains, junctions, terrain, control, start);
   const std::vector<HeightLimit> limits = solve_network(levels, options, monitor, profiles, result.solve);
   profiles.write(limits, result.roads);
   result.terrain_sigma_m = profiles.terrain_sigma_m();
@@ -232,6 +237,7 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const E
   report_breaches(roads, profiles, result.findings);
   report_off_terrain(result.roads, terrain, result.terrain_sigma_m, result.findings);
   report_clearance(roads, levels, profiles, options.clearance_m, result.findings);
+  report_control_points(result.roads, control, terrain, result.terrain_sigma_m, result.findings);
 }
 
 NodeHeights heights_of(const RoadNetwork& roads) {
@@ -268,7 +274,7 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
       break;
     case HeightMethod::reference: {
       leave_out_structures(roads, {}, terrain);
-      const ReferenceHeights profiles = reference_heights(roads, as_sampled, options.max_iterations);
+      const ReferenceHeights profiles = reference_heights(roads, as_sampled, {options.loss_m, options.max_iterations});
       result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
                       profiles.solve.cost_after};
       write_way_profiles(profiles.z_m, result.roads);

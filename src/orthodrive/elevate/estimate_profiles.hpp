@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/height_control.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/model/sample_height.hpp"
@@ -16,7 +17,7 @@ namespace orthodrive {
 
 enum class HeightMethod {
   network,         ///< all roads at once: C2 profiles, tangent planes at junctions, limits of the road class, bridges
-  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy 0.5
+  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy loss
   moving_average,  ///< way by way over `window` samples, as the reference's table 3.6; 1 is the terrain as sampled
 };
 
@@ -24,9 +25,11 @@ struct ElevateOptions {
   HeightMethod method = HeightMethod::network;
   HeightSampling sampling = HeightSampling::cubic;
   int window = 35;           ///< samples of the moving average, odd
+  double loss_m = 0.5;       ///< scale of the reference's Cauchy loss (baselines/reference_heights.hpp)
   double clearance_m = 4.7;  ///< of a bridge's surface over the road below, of a road over a tunnel's surface
   int max_iterations = 50;   ///< of each solve
-  int threads = 0;           ///< 0 = all cores; the result does not depend on it
+  std::vector<HeightControlPoint> control_points;  ///< in the roads' CRS; network only (throws OptionError)
+  int threads = 0;                                 ///< 0 = all cores; the result does not depend on it
 };
 
 /// Means over the nodes where the terrain is the road: it has a height there, and there is no bridge or tunnel.
@@ -44,7 +47,8 @@ struct EstimateProfilesResult {
   std::vector<double> terrain_sigma_m;
   /// "elevate.no_terrain", "elevate.implausible_terrain", "elevate.not_converged"; of the network method also
   /// "elevate.gradient_over_limit", "elevate.curvature_over_limit", "elevate.off_terrain", "elevate.low_clearance",
-  /// "elevate.assumed_bridge", "elevate.missing_junction", "elevate.contradicting_tags"
+  /// "elevate.assumed_bridge", "elevate.missing_junction", "elevate.contradicting_tags", and those of control points
+  /// (control_heights.hpp)
   Findings findings;
 };
 

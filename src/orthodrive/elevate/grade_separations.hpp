@@ -16,7 +16,8 @@ struct GradeSeparation {
   bool raise = true;  ///< the upper road gives way (a bridge), else the lower one (a tunnel)
   bool has_room =
       true;  ///< the roads do not meet within 50 m along the network: no ramp gains the clearance on so little
-  bool untagged = false;  ///< the one that gives way is neither tagged as bridge nor as tunnel
+  bool is_measured = false;  ///< a control point says how high: nothing is moved for the clearance
+  bool untagged = false;     ///< the one that gives way is neither tagged as bridge nor as tunnel
 
   [[nodiscard]] std::size_t upper() const { return a_is_above ? crossing.path_a : crossing.path_b; }
   [[nodiscard]] std::size_t lower() const { return a_is_above ? crossing.path_b : crossing.path_a; }

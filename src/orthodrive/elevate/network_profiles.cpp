@@ -26,6 +26,7 @@ constexpr double curvature_gives_way_m = 20.0, curvature_gives_way_pixels = 2.0;
 constexpr double limit_margin = 0.01;  // aim this much inside, so that the slack of the bounds stays inside too
 // Clearance and tunnels hold against the terrain of a ramp this long, to a millimetre.
 constexpr double clearance_pull_m = 2000.0, clearance_slack_m = 1e-3;
+constexpr double control_pull_m = 2000.0, control_slack_m = 1e-3;  // likewise
 constexpr double tunnel_pull_m = 30.0, tunnel_slack_m = 0.02;
 // Where nothing is measured gradients fade over this length (bridges hang between their ends, roads run out level).
 constexpr double fading_length_m = 200.0;
@@ -59,8 +60,8 @@ double second_difference_response(double a) {
 
 NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains,
                                  const std::vector<PathJunction>& junctions, const TerrainSamples& terrain,
-                                 const std::vector<std::vector<double>>& start_m)
-    : roads_(roads), chains_(chains), junctions_(junctions), terrain_(terrain), start_m_(start_m) {
+                                 const ControlHeights& control, const std::vector<std::vector<double>>& start_m)
+    : roads_(roads), chains_(chains), junctions_(junctions), terrain_(terrain), control_(control), start_m_(start_m) {
   for (const RoadPath& path : roads.paths) limits_of_path_.push_back(design_limits(path.highway));
   for (const ProfileChain& chain : chains.chains) knots_.push_back(knots_of(chain));
   for (const double gsd_m : terrain.gsd_m) sigma_m_.push_back(first_sigma_m + first_sigma_per_gsd * gsd_m);
@@ -111,6 +112,8 @@ void NetworkProfiles::find_grounded_chains() {
   for (std::size_t c = 0; c < n; ++c)
     for (const ChainPlace& place : chains_.chains[c].places)
       if (terrain_.of_node[place.path][place.node].is_road) grounded[met.find(c)] = true;
+  for (const HeightObservation& height : control_.heights)
+    grounded[met.find(chains_.of_node[height.at.path][height.at.segment].chain)] = true;
   for (std::size_t c = 0; c < n; ++c) chain_is_grounded_.push_back(grounded[met.find(c)]);
 }
 
@@ -232,8 +235,44 @@ void NetworkProfiles::add_junctions(RobustFit& fit) const {
   }
 }
 
+std::array<Term, 4> NetworkProfiles::height_terms(std::size_t path, std::size_t segment, double fraction) const {
+  const NodePlace &a = chains_.of_node[path][segment], &b = chains_.of_node[path][segment + 1];
+  return chains_.chains[a.chain].height(a.s_m + fraction * (b.s_m - a.s_m));
+}
+
+namespace {
+std::array<Term, 8> difference(const std::array<Term, 4>& upper, const std::array<Term, 4>& lower) {
+  std::array<Term, 8> terms;
+  for (std::size_t i = 0; i < 4; ++i) terms[i] = upper[i], terms[i + 4] = {lower[i].unknown, -lower[i].factor};
+  return terms;
+}
+}  // namespace
+
+/// The rows of heights come first (share_of_control).
+void NetworkProfiles::add_control(RobustFit& fit) const {
+  for (const HeightObservation& h : control_.heights)
+    fit.add_square(height_terms(h.at.path, h.at.segment, h.at.fraction), h.z_m, 1.0 / (h.sigma_m * h.sigma_m));
+  for (const RiseObservation& r : control_.rises)
+    fit.add_square(difference(height_terms(r.upper.path, r.upper.segment, r.upper.fraction),
+                              height_terms(r.lower.path, r.lower.segment, r.lower.fraction)),
+                   r.rise_m, 1.0 / (r.sigma_m * r.sigma_m));
+}
+
+/// Control points take precedence over the terrain and the limits of the class: the road is within a sigma of them.
+void NetworkProfiles::hold_control(RobustFit& fit) const {
+  const double weight = pull_per_m() * control_pull_m / control_slack_m;
+  for (const HeightObservation& h : control_.heights)
+    fit.add_bounds(height_terms(h.at.path, h.at.segment, h.at.fraction), h.z_m - h.sigma_m, h.z_m + h.sigma_m, weight,
+                   control_slack_m);
+  for (const RiseObservation& r : control_.rises)
+    fit.add_bounds(difference(height_terms(r.upper.path, r.upper.segment, r.upper.fraction),
+                              height_terms(r.lower.path, r.lower.segment, r.lower.fraction)),
+                   r.rise_m - r.sigma_m, r.rise_m + r.sigma_m, weight, control_slack_m);
+}
+
 RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
   RobustFit fit(x_.size());
+  add_control(fit);
   add_terrain(fit);
   add_design(fit);
   add_junctions(fit);
@@ -249,9 +288,7 @@ RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
     }
   }
   for (const HeightLimit& limit : limits) {
-    const NodePlace &a = chains_.of_node[limit.path][limit.segment],
-                    &b = chains_.of_node[limit.path][limit.segment + 1];
-    fit.add_bounds(chains_.chains[a.chain].height(a.s_m + limit.fraction * (b.s_m - a.s_m)), limit.low_m, limit.high_m,
+    fit.add_bounds(height_terms(limit.path, limit.segment, limit.fraction), limit.low_m, limit.high_m,
                    pull * clearance_pull_m / clearance_slack_m, clearance_slack_m);
   }
   return fit;
@@ -261,7 +298,9 @@ RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits
                                           double loosening) {
   constexpr double step_tolerance_m = 2e-4;
   loosening_ = loosening;
-  return build(limits).solve(x_, max_iterations, loosening * step_tolerance_m);
+  RobustFit fit = build(limits);
+  hold_control(fit);
+  return fit.solve(x_, max_iterations, loosening * step_tolerance_m);
 }
 
 void NetworkProfiles::estimate_scales() {
@@ -352,12 +391,22 @@ double NetworkProfiles::value(std::span<const Term> terms) const {
 }
 
 double NetworkProfiles::height_m(std::size_t path, std::size_t segment, double fraction) const {
-  const NodePlace &a = chains_.of_node[path][segment], &b = chains_.of_node[path][segment + 1];
-  return value(chains_.chains[a.chain].height(a.s_m + fraction * (b.s_m - a.s_m)));
+  return value(height_terms(path, segment, fraction));
+}
+
+/// How far every coefficient follows when all control points rise by 1: their share in the heights; the terrain has the
+/// rest.
+std::vector<double> NetworkProfiles::share_of_control(const SparseJacobian& rows) const {
+  if (control_.heights.empty()) return std::vector<double>(x_.size(), 0.0);
+  std::vector<double> right(rows.row_start.size() - 1, 0.0);
+  for (std::size_t i = 0; i < control_.heights.size(); ++i) right[i] = 1.0 / control_.heights[i].sigma_m;
+  return solve_normal(rows, right);
 }
 
 void NetworkProfiles::write(const std::vector<HeightLimit>& limits, RoadNetwork& roads) const {
-  const InverseNormal inverse(build(limits).weighted_rows(x_));
+  const SparseJacobian rows = build(limits).weighted_rows(x_);  // what holds the control points knows no more than they
+  const InverseNormal inverse(rows);
+  const std::vector<double> share = share_of_control(rows);
   for (std::size_t p = 0; p < roads.paths.size(); ++p)
     for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n) {
       const NodePlace& place = chains_.of_node[p][n];
@@ -371,7 +420,10 @@ void NetworkProfiles::write(const std::vector<HeightLimit>& limits, RoadNetwork&
         for (const Term& b : height) variance += a.factor * b.factor * inverse.at(a.unknown, b.unknown);
       // Nodes of one slope err together: their spread does not average out, and the fit cannot know it.
       const TerrainSample& sample = terrain_.of_node[p][n];
-      node.sigma_z_m = std::hypot(std::sqrt(std::max(0.0, variance)), sample.is_road ? sample.spread_m : 0.0F);
+      double of_control = 0.0;
+      for (const Term& term : height) of_control += term.factor * share[at(term.unknown)];
+      const double spread_m = sample.is_road ? (1.0 - std::clamp(of_control, 0.0, 1.0)) * sample.spread_m : 0.0;
+      node.sigma_z_m = std::hypot(std::sqrt(std::max(0.0, variance)), spread_m);
     }
   for (std::size_t j = 0; j < junctions_.size(); ++j)
     for (const JunctionArm& arm : junctions_[j].arms)

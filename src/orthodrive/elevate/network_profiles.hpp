@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "orthodrive/elevate/control_heights.hpp"
 #include "orthodrive/elevate/profile_chains.hpp"
 #include "orthodrive/elevate/terrain_samples.hpp"
 #include "orthodrive/model/design_limits.hpp"
@@ -29,7 +30,8 @@ class NetworkProfiles {
  public:
   /// Keeps references to all of them.
   NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains, const std::vector<PathJunction>& junctions,
-                  const TerrainSamples& terrain, const std::vector<std::vector<double>>& start_m);
+                  const TerrainSamples& terrain, const ControlHeights& control,
+                  const std::vector<std::vector<double>>& start_m);
 
   /// From where the last call ended. `loosening` widens the terrain's standard deviation and with it the loss: begun
   /// wide and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity,
@@ -55,6 +57,10 @@ class NetworkProfiles {
   };
   [[nodiscard]] std::vector<Knot> knots_of(const ProfileChain& chain) const;
   [[nodiscard]] RobustFit build(const std::vector<HeightLimit>& limits) const;
+  [[nodiscard]] std::array<Term, 4> height_terms(std::size_t path, std::size_t segment, double fraction) const;
+  [[nodiscard]] std::vector<double> share_of_control(const SparseJacobian& rows) const;
+  void add_control(RobustFit& fit) const;
+  void hold_control(RobustFit& fit) const;
   void add_terrain(RobustFit& fit) const;
   void add_design(RobustFit& fit) const;
   void add_junctions(RobustFit& fit) const;
@@ -71,6 +77,7 @@ class NetworkProfiles {
   const ProfileChains& chains_;
   const std::vector<PathJunction>& junctions_;
   const TerrainSamples& terrain_;
+  const ControlHeights& control_;
   const std::vector<std::vector<double>>& start_m_;
   std::vector<DesignLimits> limits_of_path_;
   std::vector<std::vector<Knot>> knots_;          // of each chain

@@ -51,10 +51,14 @@ StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& opt
   const Terrain& terrain = context.sources.terrain(files.dtm, site);
   const io::DriveLogs& logs = context.sources.drive_logs(files.drive_logs, site);
   ElevateRoadsOptions elevate = options.elevate;
+  const io::ControlPoints& control = context.sources.control_points(files.control_points, site);
+  elevate.heights.control_points = control.points;
   elevate.heights.threads = elevate.banking.threads = context.threads;
   const ElevateRoadsResult elevated = elevate_roads(roads, terrain.dtms, logs.log, elevate, context.monitor);
   StageOutcome outcome = outcome_of(elevated, files);
-  for (const Findings* part : {&logs.findings, &terrain.findings, &elevated.findings}) append(outcome.findings, *part);
+  if (!files.control_points.empty()) outcome.numbers["control_points"] = control.points.size();
+  for (const Findings* part : {&logs.findings, &control.findings, &terrain.findings, &elevated.findings})
+    append(outcome.findings, *part);
   io::write_roads(files.elevated, elevated.roads, elevated.roughness);
   if (!files.findings.empty()) io::write_findings(files.findings, outcome.findings, roads.crs);
   if (!files.road_graph.empty())
@@ -74,13 +78,17 @@ BuildStage elevate_stage(SiteBuild& build) {
   return {.name = "elevate",
           .version = 5,
           // The road graph shows the map's roads as well.
-          .sources = {{"dtm", site.dtm, SourceRole::Kind::raster}, {"drive_logs", log_files}, {"osm", site.osm}},
+          .sources = {{"dtm", site.dtm, SourceRole::Kind::raster},
+                      {"drive_logs", log_files},
+                      {"control_points", site.control_points},
+                      {"osm", site.osm}},
           .options = options,
           .reads = {".orthodrive/refined.gpkg"},
           .outputs = {"roads.gpkg", "road_graph.geojson"},
           .check =
               [&build, &site] {
                 (void)build.context.sources.drive_logs(site.drive_logs, site.frame);
+                (void)build.context.sources.control_points(site.control_points, site.frame);
                 (void)build.context.sources.terrain(site.dtm, site.frame);
               },
           .run =
@@ -92,6 +100,7 @@ BuildStage elevate_stage(SiteBuild& build) {
                 return run_elevate({.roads = build.out_dir / ".orthodrive/refined.gpkg",
                                     .dtm = site.dtm,
                                     .drive_logs = site.drive_logs,
+                                    .control_points = site.control_points,
                                     .elevated = build.out_dir / "roads.gpkg",
                                     .osm = site.osm,
                                     .road_graph = build.out_dir / "road_graph.geojson"},

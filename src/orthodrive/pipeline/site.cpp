@@ -144,6 +144,7 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
   folder.read(sources, "surroundings", site.surroundings);
   folder.read(sources, "gpx", site.gpx);
   folder.read(sources, "drive_logs", site.drive_logs);
+  folder.read(sources, "control_points", site.control_points);
   sources.finish();
   for (const char* key : {"photo", "osm", "dtm"}) sources.require(key);
   if (site.photos.empty()) sources.fail_at("photo", "is an empty list; name a file");

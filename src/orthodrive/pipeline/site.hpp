@@ -20,19 +20,20 @@ struct Site {
   SiteFrame frame;
   std::vector<std::filesystem::path> photos;  ///< best first
   std::vector<std::filesystem::path> osm;
-  std::vector<std::filesystem::path> gpx;           ///< tracks of GPS receivers; none needed
-  std::vector<std::filesystem::path> dtm;           ///< best first
-  std::vector<std::filesystem::path> buildings;     ///< maps with building=*; empty: those of `osm`
-  std::vector<std::filesystem::path> trees;         ///< maps with natural=tree and tree_row; empty: those of `osm`
-  std::vector<std::filesystem::path> surroundings;  ///< maps with barriers, water, railways, lamps; empty: `osm`
-  std::vector<std::filesystem::path> drive_logs;    ///< CSV files and comma2k19 folders; none needed
-  std::filesystem::path truth_dir;                  ///< empty: none
-  std::vector<std::string> attribution;             ///< with those of fetched sources
-  std::vector<remote::FetchSource> fetch;           ///< sources on servers, by the local files they become
-  std::string model = "default";                    ///< name or file of the segmentation network
-  bool crf = false;                                 ///< refine the labels by the model's CRF
-  bool adapt = false;                               ///< the network first learns from the site's photo and map
-  std::filesystem::path refine_weights;             ///< file of `orthodrive tune`; empty: the shipped weights
+  std::vector<std::filesystem::path> gpx;             ///< tracks of GPS receivers; none needed
+  std::vector<std::filesystem::path> dtm;             ///< best first
+  std::vector<std::filesystem::path> buildings;       ///< maps with building=*; empty: those of `osm`
+  std::vector<std::filesystem::path> trees;           ///< maps with natural=tree and tree_row; empty: those of `osm`
+  std::vector<std::filesystem::path> surroundings;    ///< maps with barriers, water, railways, lamps; empty: `osm`
+  std::vector<std::filesystem::path> drive_logs;      ///< CSV files and comma2k19 folders; none needed
+  std::vector<std::filesystem::path> control_points;  ///< heights of roads that are known; none needed
+  std::filesystem::path truth_dir;                    ///< empty: none
+  std::vector<std::string> attribution;               ///< with those of fetched sources
+  std::vector<remote::FetchSource> fetch;             ///< sources on servers, by the local files they become
+  std::string model = "default";                      ///< name or file of the segmentation network
+  bool crf = false;                                   ///< refine the labels by the model's CRF
+  bool adapt = false;                                 ///< the network first learns from the site's photo and map
+  std::filesystem::path refine_weights;               ///< file of `orthodrive tune`; empty: the shipped weights
   DrivingSide driving_side = DrivingSide::right;
   std::string dtm_sampling = "cubic";  ///< bilinear | cubic
   std::vector<std::string> crg;        ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none

@@ -58,6 +58,10 @@ const io::DriveLogs& Sources::drive_logs(const Files& files, const SiteFrame& si
   if (!files.empty()) asked_.insert("drive_logs");
   return kept(drive_logs_, [&] { return io::read_drive_logs(files, site); });
 }
+const io::ControlPoints& Sources::control_points(const Files& files, const SiteFrame& site) {
+  if (!files.empty()) asked_.insert("control_points");
+  return kept(control_points_, [&] { return io::read_control_points(files, site); });
+}
 const Terrain& Sources::terrain(const Files& dtm, const SiteFrame& site) {
   if (!dtm.empty()) asked_.insert("dtm");
   return kept(terrain_, [&] { return read_terrain(dtm, site); });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/io/control_point_reader.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/model/rasters.hpp"
@@ -36,10 +37,11 @@ class Sources {
   const OsmRoads& osm(const Files& files, const SiteFrame& site);
   const io::GpxTraces& gpx(const Files& files, const SiteFrame& site);
   const io::DriveLogs& drive_logs(const Files& files, const SiteFrame& site);
+  const io::ControlPoints& control_points(const Files& files, const SiteFrame& site);
   const Terrain& terrain(const Files& dtm, const SiteFrame& site);
   const SegmentModel& model(const std::filesystem::path& file);
-  /// Roles asked for since the last call ("osm", "gpx", "drive_logs", "dtm", "model"); those without files are not
-  /// counted. What is kept in memory opens no file: this shows what a stage depends on.
+  /// Roles asked for since the last call ("osm", "gpx", "drive_logs", "control_points", "dtm", "model"); those without
+  /// files are not counted. What is kept in memory opens no file: this shows what a stage depends on.
   [[nodiscard]] std::set<std::string> take_asked() { return std::exchange(asked_, {}); }
 
  private:
@@ -47,6 +49,7 @@ class Sources {
   std::optional<OsmRoads> osm_;
   std::optional<io::GpxTraces> gpx_;
   std::optional<io::DriveLogs> drive_logs_;
+  std::optional<io::ControlPoints> control_points_;
   std::optional<Terrain> terrain_;
   std::optional<SegmentModel> model_;
 };

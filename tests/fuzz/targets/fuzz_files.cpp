@@ -18,6 +18,7 @@
 #include "orthodrive/io/alignment_io.hpp"
 #include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/caffe_model.hpp"
+#include "orthodrive/io/control_point_reader.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/npy_reader.hpp"
@@ -122,6 +123,7 @@ constexpr Reader readers[] = {
     {"caffemodel", "a.caffemodel", [](const fs::path& file) { (void)parse_caffe_model(text_of(file), file.string()); }},
     {"gpx", "a.gpx", [](const fs::path& file) { (void)io::read_gpx({file}, site()); }},
     {"drive_log", "a.csv", [](const fs::path& file) { (void)io::read_drive_logs({file}, site()); }},
+    {"control_points", "a.geojson", [](const fs::path& file) { (void)io::read_control_points({file}, site()); }},
     {"alignment", "a.csv", [](const fs::path& file) { (void)io::read_alignment(file, {}); }},
     {"table", "a.csv", read_table},
     {"npy", "a.npy", [](const fs::path& file) { (void)io::read_npy(file); }},
