@@ -184,6 +184,10 @@ void read_stage_options(TomlSection& root, const SiteFolder& folder, Site& site)
   if (site.junction_grids && site.opendrive != "1.8")
     network.fail_at("junction_grids", "needs network.opendrive = \"1.8\"");
 
+  TomlSection scene = root.section("scene");
+  scene.read_texts("roads", site.scene_roads);
+  scene.finish();
+
   TomlSection drive = root.section("drive");
   drive.read("route", site.route);
   drive.finish();
