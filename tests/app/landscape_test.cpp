@@ -65,6 +65,19 @@ TEST(Landscape, roads_of_a_file_without_place_are_all_that_a_scene_needs) {
   EXPECT_LE(origin[2].get<double>(), 10.0);
 }
 
+TEST(Landscape, roads_are_chosen_by_their_names_whatever_the_case) {
+  const Scratch scratch;
+  write_circle(scratch / "any.xodr", left_lane);
+  const auto with = [&](const char* name) {
+    return run_tool(
+        {"scene", "--network", scratch / "any.xodr", "--margin", "20", "--roads", name, "-o", scratch / "scene"});
+  };
+  const ToolRun circle = with("circle");
+  EXPECT_EQ(circle.exit_code, 0) << circle.err;
+  EXPECT_NEAR(road_m2(circle.err), 314.16 * 6.0 * (47.0 / 50.0), 5.0);
+  EXPECT_EQ(with("circ").exit_code, 2);
+}
+
 TEST(Landscape, georeference_that_nobody_understands_is_told_and_does_without) {
   const Scratch scratch;
   write_circle(scratch / "any.xodr", left_lane);
