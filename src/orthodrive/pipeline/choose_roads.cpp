@@ -28,16 +28,17 @@ std::set<std::size_t> roads_that(const roadquery::RoadMap& map, const Means& mea
 }
 
 /// Why there is no road.
-std::string nothing_found(const std::string& item, bool is_number) {
+std::string nothing_found(const std::string& item, bool is_number, const std::string& more_words) {
   if (item.starts_with("way/")) return "no road of the network is of that OSM way";
   if (item.starts_with("highway/")) return "no road of the network is of that OSM class";
   if (is_number) return fmt::format("no road has this id; for the roads of an OSM way write way/{}", item);
-  return "no road has this name; need the name or the id of a road, way/ID of an OSM way or highway/CLASS";
+  return "no road has this name; need the name or the id of a road, way/ID of an OSM way, highway/CLASS" + more_words;
 }
 
 }  // namespace
 
-std::set<std::size_t> choose_roads(const roadquery::RoadMap& map, const std::string& item, const std::string& option) {
+std::set<std::size_t> choose_roads(const roadquery::RoadMap& map, const std::string& item, const std::string& option,
+                                   const std::string& more_words) {
   int id = 0;
   const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), id);
   const bool is_number = error == std::errc{} && end == item.data() + item.size();
@@ -52,7 +53,8 @@ std::set<std::size_t> choose_roads(const roadquery::RoadMap& map, const std::str
     if (is_number) return road.id == id;
     return !name.empty() && in_lower_case(road.name) == name;
   });
-  if (chosen.empty()) throw OptionError(fmt::format("{} {}: {}", option, item, nothing_found(item, is_number)));
+  if (chosen.empty())
+    throw OptionError(fmt::format("{} {}: {}", option, item, nothing_found(item, is_number, more_words)));
   return chosen;
 }
 

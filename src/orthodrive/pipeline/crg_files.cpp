@@ -30,7 +30,7 @@ std::set<std::size_t> choose(const roadquery::RoadMap& map, const CrgFilesOption
       for (const RouteStep& step : find_route(map, {.route = options.route}).steps)
         chosen.insert(static_cast<std::size_t>(step.road));
     } else {
-      chosen.merge(choose_roads(map, item, "--crg"));
+      chosen.merge(choose_roads(map, item, "--crg", ", all-of-route or all"));
     }
   }
   return chosen;

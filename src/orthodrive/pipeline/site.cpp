@@ -210,7 +210,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   root.read("name", site.name);
   TomlSection area = root.section("area"), sources = root.section("sources"), truth = root.section("truth"),
               attribution = root.section("attribution");
-  for (const char* key : {"segment", "refine", "elevate", "network", "drive"}) (void)root.find_table(key);
+  for (const char* key : {"segment", "refine", "elevate", "network", "scene", "drive"}) (void)root.find_table(key);
   (void)root.find("fetch");  // site_fetch.hpp reads it
   root.finish();
 
