@@ -72,8 +72,12 @@ void add_car_options(CLI::App& cmd, RunDriveOptions& drive, IdleOptions& idle, c
       ->capture_default_str();
   idle.excludes(add_choice<DriveStyle>(
                     cmd, "--style", drive.style,
-                    {{"auto", DriveStyle::automatic}, {"road", DriveStyle::road}, {"racing", DriveStyle::racing}},
-                    "auto (racing on raceways), road (own lane, speed limits), racing (whole width, the car's limit)"),
+                    {{"auto", DriveStyle::automatic},
+                     {"road", DriveStyle::road},
+                     {"racing", DriveStyle::racing},
+                     {"centre", DriveStyle::centre}},
+                    "auto (centre on roads without lanes, racing on raceways), road (own lane, speed limits), racing "
+                    "(whole width, the car's limit), centre (the plain middle of the road, the car's limit)"),
                 {all_roads});
   idle.excludes(cmd.add_option("--laps", drive.laps, "timed laps of a closed route")
                     ->check(CLI::Range(1, 1000))
@@ -83,6 +87,9 @@ void add_car_options(CLI::App& cmd, RunDriveOptions& drive, IdleOptions& idle, c
                              "of a closed route: from rest; else a lap to warm up comes before the timed one"),
                 {all_roads});
   cmd.add_flag("--stops", drive.stops, "stands where other traffic goes first");
+  cmd.add_option("--bare-width", drive.bare_width_m, "of roads that are a reference line without lanes, m")
+      ->check(CLI::Range(2.0, 100.0))
+      ->capture_default_str();
   cmd.add_flag("--flat", drive.flat, "without the heights of the roads, to see what they change");
   cmd.add_option("--max-speed", drive.max_speed_mps, "top speed, m/s; else 36 on roads")->check(CLI::Range(3.0, 120.0));
   cmd.add_option("--max-lateral", drive.max_lateral_mps2, "lateral acceleration in bends, m/s^2; else 4 on roads")
@@ -109,6 +116,7 @@ void add_drive(CLI::App& app, Context& context) {
       "Examples:\n"
       "  orthodrive drive --network out/roads.xodr -o out/drive\n"
       "  orthodrive drive --network ring/roads.xodr --vehicle gt3 --laps 2 -o lap\n"
+      "  orthodrive drive --network ring/roads.xodr --style centre --vehicle sports -o centre_line\n"
       "  orthodrive drive --network roads.xodr --all-roads --vehicle family -o check\n"
       "  orthodrive drive --network roads.xodr --via 529900,5542300 --via 530400,5542800 --max-lateral 3 -o lap");
   cmd->callback([arguments, &context] { drive_it(*arguments, context); });

@@ -15,13 +15,14 @@ struct ExportCommand {
   SceneFiles files;
   ExportOptions options;
   std::vector<double> bounds;
+  IdleOptions idle;
 };
 }  // namespace
 
 void add_export(CLI::App& app, Context& context) {
   auto command = std::make_shared<ExportCommand>();
   CLI::App* cmd = app.add_subcommand("export", "Write the scene of an area as one .glb, for Blender and game engines.");
-  add_scene_inputs(*cmd, command->files);
+  add_scene_inputs(*cmd, command->files, command->idle);
   cmd->add_option("--bbox", command->bounds, "west south east north of the area in the CRS of the roads, m; none: all")
       ->expected(4);
   cmd->add_option("--glb", command->options.glb, "file to write")->required();
@@ -37,6 +38,7 @@ void add_export(CLI::App& app, Context& context) {
       "map.osm "
       "--glb all.glb");
   cmd->callback([command, &context] {
+    command->idle.refuse();
     if (const auto& b = command->bounds; !b.empty()) {
       if (!(b[0] < b[2] && b[1] < b[3])) throw OptionError("--bbox: west must be below east, south below north");
       command->options.bounds = Box2{b[0], b[1], b[2], b[3]};

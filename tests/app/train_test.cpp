@@ -3,8 +3,11 @@
 // whatever may be wrong with data, weights and checkpoints. Networks learn next to nothing in the few steps here;
 // whether they learn is tested in tests/segment.
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstring>
@@ -544,6 +547,22 @@ TEST(TrainBadInput, polygons_and_mappings) {
                       shop.experiment(few_steps(1), site + "{rode = [\"road\"]}"));
   shop.expect_failure("mapping of 'village': class 'rode' is not in the table",
                       shop.experiment(few_steps(1), site + "{road = [\"rode\"]}"));
+}
+
+TEST(TrainBadInput, a_folder_in_which_another_training_works) {
+  const Workshop shop;
+  const std::string experiment = shop.experiment(few_steps(2), shop.pictures());
+  shop.run(experiment);
+  const auto before = snapshot(shop.out);
+  const fs::path lock = shop.out / ".orthodrive" / "lock";
+  fs::create_directories(lock.parent_path());
+  const int other = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  ASSERT_EQ(flock(other, LOCK_EX), 0);
+  shop.expect_failure("another process works in this folder", shop.experiment(few_steps(4), shop.pictures()),
+                      {"--resume"});
+  close(other);
+  fs::remove(lock);
+  EXPECT_EQ(snapshot(shop.out), before);
 }
 
 TEST(TrainBadInput, checkpoints_that_are_damaged_or_of_another_network_stay_as_they_are) {

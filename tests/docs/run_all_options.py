@@ -272,9 +272,20 @@ def write_texts(folder):
     (folder / "other_truth/labels.tif").unlink()
 
 
+def write_bare_road(folder):
+    """OpenDRIVE of a road that is a reference line without lanes."""
+    line = '<geometry s="0" x="0" y="0" hdg="0" length="60"><line/></geometry>'
+    lanes = '<laneSection s="0"><center><lane id="0" type="none" level="false"/></center></laneSection>'
+    flat = '<elevation s="0" a="0" b="0" c="0" d="0"/>'
+    road = f"<planView>{line}</planView><elevationProfile>{flat}</elevationProfile><lanes>{lanes}</lanes>"
+    header = '<header revMajor="1" revMinor="6" name="" north="1" south="-1" east="60" west="0"/>'
+    text = f'<OpenDRIVE>{header}<road name="" length="60" id="1" junction="-1">{road}</road></OpenDRIVE>'
+    (folder / "bare.xodr").write_text(text)
+
+
 def add_files(tool, folder):
     """What the table names besides the files of the examples."""
-    for write in (write_texts, write_log, write_things, write_places, write_rasters):
+    for write in (write_texts, write_log, write_things, write_places, write_rasters, write_bare_road):
         write(folder)
     for words in (
         "fetch there.toml",

@@ -100,7 +100,7 @@ def make_folder(folder, tool, sites):
         "out/confidence.tif": ["confidence.tif"],
         "out/road_probability.tif": ["road_probability.tif"],
         "out/roads.gpkg": ["roads.gpkg"],
-        "out/roads.xodr": ["roads.xodr", "ring.xodr", "town.xodr", "ring/roads.xodr"],
+        "out/roads.xodr": ["roads.xodr", "any.xodr", "ring.xodr", "town.xodr", "ring/roads.xodr"],
         "out/drive/lap.gpx": ["monday.gpx", "tuesday.gpx"],
         "site/truth/surface.geojson": ["carriageways.geojson"],
     }

@@ -48,6 +48,22 @@ double heave_stiffness_ps2(const vehicle::CarParameters& car) {
   return 2.0 * (at_wheel_npm(car.front, car.front_tyre, 0.0) + at_wheel_npm(car.rear, car.rear_tyre, 0.0)) / sprung_kg;
 }
 
+TEST(SimulateLap, centre_line_is_driven_as_it_is) {
+  DriveOptions options = racing("sports_car.toml");
+  options.centre_line = true;
+  options.driver.max_lateral_mps2 = 5.0;
+  const DriveResult lap = simulate_lap(map_of({make_circle(1, 50.0)}), options);
+  EXPECT_TRUE(lap.finished);
+  EXPECT_NEAR(lap.length_m, 2.0 * std::numbers::pi * 50.0, 0.05);  // not the lane's centre
+  for (const LinePoint& p : lap.line.points) EXPECT_NEAR(std::hypot(p.x_m, p.y_m), 50.0, 0.005);
+  EXPECT_NEAR(lap.mean_speed_mps, std::sqrt(5.0 * 50.0), 0.2);
+  EXPECT_LT(lap.max_line_error_m, 0.3);
+  EXPECT_EQ(lap.tyre_misses, 0u);
+  options.centre_line = false;
+  // The line of least curvature is the widest circle.
+  EXPECT_GT(simulate_lap(map_of({make_circle(1, 50.0)}), options).length_m, 2.0 * std::numbers::pi * 51.0);
+}
+
 TEST(SimulateLap, circle_is_driven_at_the_speed_that_the_lateral_limit_allows) {
   const DriveResult lap = simulate_lap(map_of({make_circle(1, 50.0)}), family());
   const double radius_m = 51.75;  // the centre of the outer lane

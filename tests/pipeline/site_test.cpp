@@ -66,10 +66,11 @@ TEST(Site, photos_keep_their_order_and_each_must_be_there) {
 }
 
 TEST(Site, overrides_take_toml_values_and_bare_words) {
-  const Site site =
-      read_site(site_file(area + sources), {"drive.route=Circuit", "sources.dtm=['c.tif']", "name=Other"});
+  const Site site = read_site(site_file(area + sources), {"drive.route=Circuit", "sources.dtm=['c.tif']", "name=Other",
+                                                          "scene.roads=highway/raceway"});
   EXPECT_EQ(site.route, "Circuit");
   EXPECT_EQ(site.name, "Other");
+  EXPECT_EQ(site.scene_roads, std::vector<std::string>{"highway/raceway"});
   ASSERT_EQ(site.dtm.size(), 1u);
   EXPECT_EQ(site.dtm[0].filename(), "c.tif");
 }
@@ -136,6 +137,7 @@ struct Mistake {
 TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
   const std::vector<Mistake> mistakes{
       {"name = \n", ":1: "},
+      {area + sources + "[scene]\nroad='x'\n", ":8: 'scene.road' is not known here; did you mean 'roads'?"},
       {area + sources + "[drive]\nrute='x'\n", ":8: 'drive.rute' is not known here; did you mean 'route'?"},
       {area + sources + "[dirve]\nroute='x'\n", ":7: 'dirve' is not known here; did you mean 'drive'?"},
       {area + sources + "[xyz]\n", ":7: 'xyz' is not known here; known are: area, attribution, "},

@@ -236,6 +236,10 @@ double sharpest_1pm(const DrivingLine& line, double wheelbase_m) {
 
 DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route, const LineOptions& options) {
   const double z_m = start_z(query.map(), route);
+  if (options.centre) {
+    const LanePath centre = path_along_centre(query.map(), route);
+    return line_through(query, centre.points, centre.closed, z_m, centre.step);
+  }
   const LanePath path = options.racing ? path_along_middle(query.map(), route) : path_along_lanes(query.map(), route);
   Polyline smoothed = path.points;
   smooth(smoothed, path.closed, spacing_of(path));

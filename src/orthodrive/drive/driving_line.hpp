@@ -34,12 +34,15 @@ struct DrivingLine {
 /// Where the line may be, and how it is chosen there.
 struct LineOptions {
   bool racing = false;       ///< the whole width of the road; else one's own lane
+  bool centre = false;       ///< the middle of the road as it is; goes before `racing`
   double car_width_m = 1.8;  ///< over the tyres
   double wheelbase_m = 2.7;  ///< in narrow bends the rear wheels run further in and the front wheels further out
   double margin_m = 0.2;     ///< between the car and the edge, with what the car strays from its line
   double most_curvature_1pm = 0.25;  ///< the car steers no tighter: the line is made wider where there is room
 };
 
+/// Centre: the middle of the road's driving lanes, neither smoothed nor moved.
+///
 /// Racing: the minimum-curvature line between the edges of the roads, all their driving lanes (bounded_line.hpp).
 ///
 /// Else along the outermost driving lane in each step's direction (lane_path.hpp), smoothed as stiffly as a driver

@@ -38,6 +38,11 @@ double lane_center_t(const Road& road, bool forward, double s) {
                : std::min(t, std::max(edges.left_t - edge_room_m, middle));
 }
 
+double middle_t(const Road& road, double s) {
+  const auto edges = driving_edges(road, s);
+  return 0.5 * (edges.left_t + edges.right_t);
+}
+
 /// Where one is on a road after so many metres in that direction. Never beyond its ends: there are no lanes there, and
 /// a sum that is 1e-14 m too long is beyond.
 double station(const Road& road, bool forward, double driven_m) {
@@ -48,18 +53,19 @@ double station(const Road& road, bool forward, double driven_m) {
 struct DrivenRoad {
   const Road* road = nullptr;
   bool forward = true;
+  bool on_lane = true;  ///< else in the middle of the road
   double shift_begin_m = 0.0, shift_end_m = 0.0;
 
   [[nodiscard]] Vec2 point(double driven_m) const {
     const double s = station(*road, forward, driven_m);
-    const double t = lane_center_t(*road, forward, s) + (forward ? 1.0 : -1.0) * shift(driven_m);
+    const double t = center_t(s) + (forward ? 1.0 : -1.0) * shift(driven_m);
     const auto p = roadquery::surface_point(*road, s, t);
     return {p.x, p.y};
   }
   /// Whether the lane centre shifted to the left by so much stays on the road with room for half a car.
   [[nodiscard]] bool has_room(double driven_m, double shift_m) const {
     const double s = station(*road, forward, driven_m);
-    const double t = lane_center_t(*road, forward, s) + (forward ? shift_m : -shift_m);
+    const double t = center_t(s) + (forward ? shift_m : -shift_m);
     const auto edges = driving_edges(*road, s);
     return t + half_car_m <= edges.left_t && t - half_car_m >= edges.right_t;
   }
@@ -70,6 +76,9 @@ struct DrivenRoad {
   }
 
  private:
+  [[nodiscard]] double center_t(double s) const {
+    return on_lane ? lane_center_t(*road, forward, s) : middle_t(*road, s);
+  }
   [[nodiscard]] double shift(double driven_m) const {
     const auto fade = [&](double shift_m, double from_end_m) {
       const double over_m = std::min(blend_base_m + blend_per_jump * std::abs(shift_m), road->length);
@@ -80,11 +89,11 @@ struct DrivenRoad {
   }
 };
 
-std::vector<DrivenRoad> join_lanes(const roadquery::RoadMap& map, const Route& route) {
+std::vector<DrivenRoad> join_lanes(const roadquery::RoadMap& map, const Route& route, bool on_lane) {
   std::vector<DrivenRoad> roads;
   roads.reserve(route.steps.size());
   for (const RouteStep& step : route.steps) {
-    roads.push_back({&map.roads[static_cast<std::size_t>(step.road)], step.forward});
+    roads.push_back({&map.roads[static_cast<std::size_t>(step.road)], step.forward, on_lane});
   }
   const std::size_t joints = route.closed ? roads.size() : roads.size() - 1;
   std::vector<std::pair<double, double>> shifts(joints);  // at the end of the one road, at the start of the next
@@ -161,12 +170,17 @@ roadquery::Edges driving_edges(const Road& road, double s) {
   return {offset + width_m(section.left), offset - width_m(section.right)};
 }
 
-LanePath path_along_lanes(const roadquery::RoadMap& map, const Route& route) {
-  const std::vector<DrivenRoad> roads = join_lanes(map, route);
+namespace {
+LanePath joined_path(const roadquery::RoadMap& map, const Route& route, bool on_lane) {
+  const std::vector<DrivenRoad> roads = join_lanes(map, route, on_lane);
   return sample(map, route, [&](int step, double driven_m) {
     return RawPoint{roads[static_cast<std::size_t>(step)].point(driven_m), 0.0, step};
   });
 }
+}  // namespace
+
+LanePath path_along_lanes(const roadquery::RoadMap& map, const Route& route) { return joined_path(map, route, true); }
+LanePath path_along_centre(const roadquery::RoadMap& map, const Route& route) { return joined_path(map, route, false); }
 
 LanePath path_along_middle(const roadquery::RoadMap& map, const Route& route) {
   return sample(map, route, [&](int step, double driven_m) {

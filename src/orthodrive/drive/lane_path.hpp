@@ -23,7 +23,10 @@ struct LanePath {
 /// both or neither have). Throws Error for a route below 10 m.
 [[nodiscard]] LanePath path_along_lanes(const roadquery::RoadMap& map, const Route& route);
 
-/// Along the middle of all driving lanes of each road, for who may use the whole width. Throws as above.
+/// Along the middle of all driving lanes of each road; jumps are made up as above. Throws as above.
+[[nodiscard]] LanePath path_along_centre(const roadquery::RoadMap& map, const Route& route);
+
+/// Along the middle of all driving lanes of each road, jumps and all, for who may use the whole width. Throws as above.
 [[nodiscard]] LanePath path_along_middle(const roadquery::RoadMap& map, const Route& route);
 
 /// Outer borders of the outermost driving lanes: sidewalks and shoulders are no room to drive in.

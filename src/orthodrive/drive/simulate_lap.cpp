@@ -115,6 +115,7 @@ class Run {
 
 LineOptions line_options(const DriveOptions& options) {
   return {.racing = options.racing,
+          .centre = options.centre_line,
           .car_width_m = std::max(options.car.front.track_m, options.car.rear.track_m) + tyre_width_m,
           .wheelbase_m = options.car.body.wheelbase_m,
           .margin_m = options.racing ? racing_margin_m : road_margin_m,
@@ -235,7 +236,7 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   DriveResult result;
   result.route = route, result.car = options.car, result.step_s = options.step_s;
   result.line = make_driving_line(query, route, line_options(options));
-  if (!options.racing && !stop_before_tight_bend(result)) return result;
+  if ((!options.racing || options.centre_line) && !stop_before_tight_bend(result)) return result;
   const SpeedCaps caps = caps_of(query.map(), options, envelope, result);
   const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();

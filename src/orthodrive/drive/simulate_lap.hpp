@@ -23,6 +23,7 @@ struct DriveOptions {
   vehicle::CarParameters car;  ///< from a file of models/vehicles
   Driver driver;
   bool racing = false;          ///< the minimum-curvature line over the whole width, no speed limits
+  bool centre_line = false;     ///< with racing: the middle of the road as it is instead of that line
   bool standing_start = false;  ///< a closed route begins at rest; else a lap to warm up comes first
   int laps = 1;                 ///< of a closed route, after the one to warm up
   bool stops = false;           ///< stand where other traffic goes first

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <set>
 
 #include "orthodrive/core/atomic_file.hpp"
@@ -15,32 +14,12 @@
 #include "orthodrive/io/opencrg_io.hpp"
 #include "orthodrive/network/sample_crg.hpp"
 #include "orthodrive/network/sample_friction.hpp"
+#include "orthodrive/pipeline/choose_roads.hpp"
 
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using roadquery::Road;
-
-void choose_way(const roadquery::RoadMap& map, const std::string& way, std::set<std::size_t>& chosen) {
-  const std::size_t before = chosen.size();
-  for (std::size_t i = 0; i < map.roads.size(); ++i)
-    if (map.roads[i].osm_id == way) chosen.insert(i);
-  if (chosen.size() == before)
-    throw OptionError(fmt::format("--crg way/{}: no road of the network is of that OSM way", way));
-}
-
-void choose_road(const roadquery::RoadMap& map, const std::string& text, std::set<std::size_t>& chosen) {
-  int id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc{} || end != text.data() + text.size())
-    throw OptionError(fmt::format("--crg {}: need the id of a road, way/ID of an OSM way, all-of-route or all", text));
-  const auto found =
-      std::lower_bound(map.roads.begin(), map.roads.end(), id, [](const Road& r, int wanted) { return r.id < wanted; });
-  if (found == map.roads.end() || found->id != id)
-    throw OptionError(
-        fmt::format("--crg {}: no road has this id; for the roads of an OSM way write way/{}", text, text));
-  chosen.insert(static_cast<std::size_t>(found - map.roads.begin()));
-}
 
 std::set<std::size_t> choose(const roadquery::RoadMap& map, const CrgFilesOptions& options) {
   std::set<std::size_t> chosen;
@@ -50,10 +29,8 @@ std::set<std::size_t> choose(const roadquery::RoadMap& map, const CrgFilesOption
     } else if (item == "all-of-route") {
       for (const RouteStep& step : find_route(map, {.route = options.route}).steps)
         chosen.insert(static_cast<std::size_t>(step.road));
-    } else if (item.starts_with("way/")) {
-      choose_way(map, item.substr(4), chosen);
     } else {
-      choose_road(map, item, chosen);
+      chosen.merge(choose_roads(map, item, "--crg", ", all-of-route or all"));
     }
   }
   return chosen;

@@ -13,8 +13,7 @@
 namespace orthodrive {
 
 struct CrgFilesOptions {
-  /// Each "12" (id of a road in the OpenDRIVE file), "way/4711" (all roads of an OSM way and the connecting roads that
-  /// go on in it), "all-of-route" (the roads of `route`) or "all".
+  /// Each as choose_roads() takes it, "all-of-route" (the roads of `route`) or "all".
   std::vector<std::string> roads;
   std::string route = "auto";  ///< as RouteOptions::route
   CrgFormat format = CrgFormat::krbi;

@@ -42,7 +42,7 @@ Holder read_holder(const fs::path& file) {
       holder.pid == 0 ? std::string("another process") : fmt::format("process {} on {}", holder.pid, holder.host);
   const fs::path folder = file.parent_path().parent_path();
   throw FolderInUse(
-      fmt::format("{}: {} builds into this folder; wait for its end or take another folder", folder.string(), who));
+      fmt::format("{}: {} works in this folder; wait for its end or take another folder", folder.string(), who));
 }
 
 /// Another run may have removed the file between our open() and our lock: then we hold a file that nobody sees.

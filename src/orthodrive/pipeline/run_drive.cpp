@@ -14,6 +14,7 @@
 #include "orthodrive/report/lap_exchange.hpp"
 #include "orthodrive/report/lap_report.hpp"
 #include "orthodrive/report/lap_table.hpp"
+#include "roadquery/bare_roads.hpp"
 #include "roadquery/road_crgs.hpp"
 #include "roadquery/road_query.hpp"
 #include "roadquery/road_surface.hpp"
@@ -50,10 +51,11 @@ bool mostly_raceway(const roadquery::RoadMap& map, const Route& route) {
   return raceway_m > 0.5 * route.length_m;
 }
 
-DriveOptions drive_options(const RunDriveOptions& options, bool racing) {
+DriveOptions drive_options(const RunDriveOptions& options, DriveStyle style) {
+  const bool racing = style != DriveStyle::road;
   DriveOptions drive;
   drive.car = read_vehicle(options.vehicle == "auto" ? (racing ? "sports" : "family") : options.vehicle);
-  drive.racing = racing;
+  drive.racing = racing, drive.centre_line = style == DriveStyle::centre;
   if (racing) drive.driver = racing_driver();
   if (options.max_speed_mps) drive.driver.max_speed_mps = *options.max_speed_mps;
   if (options.max_lateral_mps2) drive.driver.max_lateral_mps2 = *options.max_lateral_mps2;
@@ -115,7 +117,8 @@ Findings crg_findings(const roadquery::RoadMap& map) {
 
 StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& map, const RunDriveOptions& options,
                            StageContext& context) {
-  const AllRoadsResult all = drive_all_roads(map, drive_options(options, false), context.threads, context.monitor);
+  const AllRoadsResult all =
+      drive_all_roads(map, drive_options(options, DriveStyle::road), context.threads, context.monitor);
   std::string csv = "code,x_m,y_m,message\n";
   for (const Finding& f : all.findings)
     csv += fmt::format("{},{:.2f},{:.2f},\"{}\"\n", f.code, f.x_m, f.y_m, f.message);
@@ -154,10 +157,9 @@ StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, c
   if (!route.closed && (options.laps > 1 || options.standing_start))
     throw OptionError(fmt::format("{} changes nothing: the route {} is not closed, so it has no laps",
                                   options.laps > 1 ? "--laps" : "--standing-start", route.name));
-  const bool racing =
-      options.style == DriveStyle::racing || (options.style == DriveStyle::automatic && mostly_raceway(map, route));
+  const DriveStyle usual = mostly_raceway(map, route) ? DriveStyle::racing : DriveStyle::road;
   const roadquery::RoadQuery query(map);
-  const DriveOptions drive_as = drive_options(options, racing);
+  const DriveOptions drive_as = drive_options(options, options.style == DriveStyle::automatic ? usual : options.style);
   const DriveResult drive = drive_route(query, route, drive_as, EnvelopeTable(drive_as.car), context.monitor);
   write_drive(files, map, drive, context);
   StageOutcome outcome{.numbers = numbers_of(drive), .findings = drive.findings};
@@ -167,13 +169,23 @@ StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, c
 
 }  // namespace
 
-StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& options, StageContext& context) {
+StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& run_options, StageContext& context) {
+  RunDriveOptions options = run_options;
   roadquery::RoadMap map = roadquery::read_opendrive(files.network.string());
+  Findings odd;
+  if (const int bare = roadquery::widen_bare_roads(map, options.bare_width_m); bare > 0) {
+    const roadquery::PlanPoint at = roadquery::reference_point(map.roads.front(), 0.0);
+    odd.push_back({Severity::info, "drive.bare_roads",
+                   fmt::format("{} roads have no lanes and are {:g} m wide along their reference lines", bare,
+                               options.bare_width_m),
+                   at.x, at.y});
+    if (options.style == DriveStyle::automatic) options.style = DriveStyle::centre;
+  }
   roadquery::load_crgs(map, files.network.string());
-  const Findings of_crgs = crg_findings(map);
+  append(odd, crg_findings(map));
   if (options.flat) map = flattened(std::move(map));
   StageOutcome outcome = drive_map(files, map, options, context);
-  outcome.findings.insert(outcome.findings.begin(), of_crgs.begin(), of_crgs.end());
+  outcome.findings.insert(outcome.findings.begin(), odd.begin(), odd.end());
   return outcome;
 }
 

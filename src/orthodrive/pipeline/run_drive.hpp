@@ -15,8 +15,9 @@ struct DriveFiles {
   std::filesystem::path plots;   ///< written unless empty: the plots alone, to put into another page
 };
 
-/// How the car is driven. `automatic`: racing where the larger part of the route are raceways.
-enum class DriveStyle { automatic, road, racing };
+/// How the car is driven. `automatic`: centre on roads without lanes, racing where the larger part of the route are
+/// raceways. `centre`: along the middle of the road as it is, at the car's limit (thesis sec. 4.3.2).
+enum class DriveStyle { automatic, road, racing, centre };
 
 struct RunDriveOptions {
   RouteOptions route;
@@ -24,6 +25,7 @@ struct RunDriveOptions {
   DriveStyle style = DriveStyle::automatic;
   bool standing_start = false, stops = false;
   int laps = 1;
+  double bare_width_m = 7.0;                              ///< of roads that are a reference line alone
   bool flat = false;                                      ///< without the heights of the roads
   bool all_roads = false;                                 ///< instead of a route: every road once (drive_all_roads.hpp)
   double step_ms = 1.0;                                   ///< of the car

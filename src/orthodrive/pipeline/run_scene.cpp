@@ -18,11 +18,16 @@
 #include "orthodrive/io/terrain_grid_io.hpp"
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/pipeline/choose_roads.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/archived_tiles.hpp"
+#include "orthodrive/scene/generic_ground.hpp"
+#include "orthodrive/scene/generic_terrain.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
 #include "orthodrive/scene/terrain_windows.hpp"
+#include "roadquery/bare_roads.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -35,12 +40,40 @@ void fields(Archive& archive, TileEntry& e) {
 }  // namespace io
 
 namespace {
-/// The roads' CRS; by the photo's name for it when both are the same.
-Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, const Crs& photo_crs) {
+/// As the roads name it.
+Crs crs_of_roads(const std::string& network_file, const roadquery::RoadMap& roads) {
   if (roads.geo_reference.empty())
     throw InputError(network_file, "has no geoReference, so its place is unknown; write it with `orthodrive network`");
-  const Crs crs{roads.geo_reference};
+  return {roads.geo_reference};
+}
+
+/// The roads' CRS; by the photo's name for it when both are the same.
+Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, const Crs& photo_crs) {
+  const Crs crs = crs_of_roads(network_file, roads);
   return proj_string(photo_crs) == proj_string(crs) ? photo_crs : crs;
+}
+
+bool is_understood(const Crs& crs, Vec2 place) {
+  try {
+    (void)CoordinateTransform(crs, {"EPSG:4326"}).target_from_source(place);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// Where roads are all there is, nothing need lie at its place on the earth: the scene takes the coordinates as they
+/// are, around 0 north, 0 east. Tells so.
+Crs crs_of_roads_alone(const roadquery::RoadMap& roads, const Polygon& area, Findings& findings) {
+  const Vec2 place = area.outer.front();
+  if (!roads.geo_reference.empty() && is_understood({roads.geo_reference}, place)) return {roads.geo_reference};
+  const std::string why = roads.geo_reference.empty()
+                              ? "the roads have no geoReference"
+                              : fmt::format("the roads' geoReference \"{}\" is not understood", roads.geo_reference);
+  findings.push_back({Severity::info, "scene.local_frame",
+                      why + ": the scene has the coordinates of the file, and lies at 0 north, 0 east on a globe",
+                      place.x, place.y});
+  return {"+proj=tmerc +lat_0=0 +lon_0=0 +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs"};
 }
 
 /// The photo with the site that it is of.
@@ -74,10 +107,22 @@ PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap&
   return placed;
 }
 
-/// All that a scene is made of, opened or read.
+std::optional<Polygon> largest_common_part(const Polygon& a, const Polygon& b) {
+  const MultiPolygon common = intersection_of({a}, {b}, scene::plan_grid_m);
+  if (common.empty()) return std::nullopt;
+  return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
+}
+
+void check_sources(const SceneFiles& files) {
+}
+
+/// All that a scene is made of, opened or read. Without a terrain model the ground follows the roads, without a photo
+/// it is drawn: the scene knows no difference.
 struct SceneInputs {
-  roadquery::RoadMap roads;
-  PlacedPhoto placed;
+  roadquery::RoadMap all_roads;  ///< of the network
+  roadquery::RoadMap roads;      ///< that are cut into the ground
+  SiteFrame site;
+  PhotoSource photo;
   Terrain terrain;
   std::optional<LabelSource> labels;
   std::vector<Building> buildings;
@@ -86,11 +131,21 @@ struct SceneInputs {
   Findings findings;
 
   SceneInputs(const SceneFiles& files, const RunSceneOptions& options, StageContext& context)
-      : roads(roadquery::read_opendrive(files.network.string())),
-        placed(open_placed_photo(files, roads, options, context)) {
-    // The models are kept for other stages only where a site is built.
-    const SiteFrame& site = placed.site;
-    terrain = options.site ? context.sources.terrain(files.dtm, site) : read_terrain(files.dtm, site);
+      : all_roads(roadquery::read_opendrive(files.network.string())) {
+    check_sources(files);
+    if (const int bare = roadquery::widen_bare_roads(all_roads, files.bare_width_m); bare > 0) {
+      const roadquery::PlanPoint at = roadquery::reference_point(all_roads.roads.front(), 0.0);
+      findings.push_back({Severity::info, "scene.bare_roads",
+                          fmt::format("{} roads have no lanes and are drawn {:g} m wide along their reference lines",
+                                      bare, files.bare_width_m),
+                          at.x, at.y});
+    }
+    roads = files.chosen_roads.empty() ? all_roads : map_of_chosen(all_roads, files.chosen_roads, "--roads");
+    place(files, options, context);
+    if (files.dtm.empty())
+      terrain.dtms = {scene::generic_terrain(all_roads, box(), files.network.string())};
+    else  // The models are kept for other stages only where a site is built.
+      terrain = options.site ? context.sources.terrain(files.dtm, site) : read_terrain(files.dtm, site);
     if (!files.labels.empty()) {
       labels = io::open_labels(files.labels);
       if (proj_string(labels->crs) != proj_string(site.crs))
@@ -100,20 +155,40 @@ struct SceneInputs {
     buildings = io::read_buildings(files.buildings, site, &findings);
     trees = io::read_trees(files.trees, site);
     surroundings = io::read_surroundings(files.surroundings, site, &findings);
+    if (files.photos.empty()) photo = scene::generic_ground({all_roads, buildings, &surroundings}, site.crs, box());
   }
-  [[nodiscard]] HeightSource heights() const {
-    return merged_source(terrain.dtms, bounds_of(placed.site.area.outer).grown(50.0));
-  }
+  [[nodiscard]] HeightSource heights() const { return merged_source(terrain.dtms, box()); }
   [[nodiscard]] SceneSource source(Polygon area) const {
     return {.roads = roads,
             .terrain = heights(),
-            .photo = placed.photo,
+            .photo = photo,
             .area = std::move(area),
             .labels = labels,
             .buildings = buildings,
             .trees = trees,
             .surroundings = &surroundings};
   }
+
+ private:
+  /// CRS and area, with the photo if there is one.
+  void place(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
+    if (!files.photos.empty()) {
+      PlacedPhoto placed = open_placed_photo(files, roads, options, context);
+      site = std::move(placed.site), photo = std::move(placed.photo);
+      return;
+    }
+    const std::string name = files.network.string();
+    site.area = scene::area_around_roads(roads, options.margin_m, name);
+    const bool roads_alone =
+        files.dtm.empty() && files.buildings.empty() && files.trees.empty() && files.surroundings.empty();
+    site.crs = roads_alone ? crs_of_roads_alone(roads, site.area, findings) : crs_of_roads(name, roads);
+    if (files.dtm.empty()) return;
+    const auto on_terrain = largest_common_part(site.area, area_of_photos(files.dtm, site.crs));
+    if (!on_terrain) throw InputError(names_of(files.dtm), "shares no ground with the roads of " + name);
+    site.area = *on_terrain;
+  }
+  /// Of the ground with some of what lies around it.
+  [[nodiscard]] Box2 box() const { return bounds_of(site.area.outer).grown(50.0); }
 };
 
 /// The tile with most road triangles is the one to show.
@@ -300,14 +375,14 @@ void help_scene(const SceneFiles& files, const RunSceneOptions& options, StageCo
             for (const SurfaceMaterial material : tiles->materials()) materials.insert(material);
           }};
   build_scene_cells(
-      inputs.source(inputs.placed.site.area), [&](std::size_t cells) { return exchange.next_cell(cells); }, sink,
+      inputs.source(inputs.site.area), [&](std::size_t cells) { return exchange.next_cell(cells); }, sink,
       scene_options(options, context));
   help_with_materials(materials, exchange);
 }
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
   const SceneInputs inputs(files, options, context);
-  const SiteFrame& site = inputs.placed.site;
+  const SiteFrame& site = inputs.site;
   Findings findings = inputs.findings;
   TileFolder folder(files, options.files);
   MadeCells made;
@@ -316,7 +391,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
       inputs.source(site.area), [&](const SceneTile& tile) { folder.write(tile); }, scene_options(options, context),
       context.monitor, made);
   if (folder.empty())
-    throw InputError(names_of(files.photos),
+    throw InputError(files.photos.empty() ? files.network.string() : names_of(files.photos),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
   folder.finish(site.crs, scene.origin, context.threads, context.exchange, findings);
   if (!files.terrain_grid.empty()) {
@@ -347,15 +422,15 @@ Polygon part_of_area(const Polygon& area, const std::optional<Box2>& bounds) {
   if (!bounds) return area;
   const Box2& b = *bounds;
   const Polygon box{{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
-  MultiPolygon common = intersection_of({area}, {box}, scene::plan_grid_m);
-  if (common.empty()) throw OptionError("--bbox: shares no ground with what the photo shows");
-  return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
+  const auto common = largest_common_part(area, box);
+  if (!common) throw OptionError("--bbox: shares no ground with the scene");
+  return *common;
 }
 }  // namespace
 
 StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context) {
   const SceneInputs inputs(files, {}, context);
-  const SiteFrame& site = inputs.placed.site;
+  const SiteFrame& site = inputs.site;
   Findings findings = inputs.findings;
   SceneOptions of_scene = options.scene;
   of_scene.threads = context.threads;
@@ -396,9 +471,12 @@ BuildStage scene_stage(SiteBuild& build) {
                          .buildings = buildings,
                          .trees = trees,
                          .surroundings = surroundings,
+                         .chosen_roads = site.scene_roads,
                          .folder = build.out_dir / "scene",
                          .picture = build.out_dir / ".orthodrive/scene_tile.png"};
   const RunSceneOptions options{.site = site.frame};
+  nlohmann::json stage_options = frame_options(site.frame);
+  if (!site.scene_roads.empty()) stage_options["scene.roads"] = site.scene_roads;
   return {.name = "scene",
           .version = 2,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
@@ -406,7 +484,7 @@ BuildStage scene_stage(SiteBuild& build) {
                       {"buildings", buildings},
                       {"trees", trees},
                       {"surroundings", surroundings}},
-          .options = frame_options(site.frame),
+          .options = std::move(stage_options),
           .reads = {"roads.xodr", "labels.tif"},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
           .run = [=, &build] { return run_scene(files, options, build.context); },

@@ -19,8 +19,10 @@
 #include "orthodrive/io/safetensors_stream.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/pipeline/output_lock.hpp"
 #include "orthodrive/pipeline/packed_scenes.hpp"
 #include "orthodrive/pipeline/parts.hpp"
+#include "orthodrive/pipeline/site_stages.hpp"
 #include "orthodrive/pipeline/training_data.hpp"
 #include "orthodrive/train/disturbed_map.hpp"
 
@@ -109,6 +111,7 @@ void run_train(const TrainFiles& files, const RunTrainOptions& options, StageCon
   OpenExperiment open = open_experiment(files, context);
   open.experiment.train.cuda = options.cuda;
   train_part().prepare_training_folder(files.folder, options.resume, options.crf);
+  const OutputLock lock(files.folder / private_folder / "lock", context.monitor);
   TrainingData data = read_data(open, files.experiment, context);
   const auto read_all_weights = [&open] {
     std::vector<WeightsSource> sources;

@@ -185,6 +185,10 @@ void read_stage_options(TomlSection& root, const SiteFolder& folder, Site& site)
   if (site.junction_grids && site.opendrive != "1.8")
     network.fail_at("junction_grids", "needs network.opendrive = \"1.8\"");
 
+  TomlSection scene = root.section("scene");
+  scene.read_texts("roads", site.scene_roads);
+  scene.finish();
+
   TomlSection drive = root.section("drive");
   drive.read("route", site.route);
   drive.finish();
@@ -207,7 +211,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   root.read("name", site.name);
   TomlSection area = root.section("area"), sources = root.section("sources"), truth = root.section("truth"),
               attribution = root.section("attribution");
-  for (const char* key : {"segment", "refine", "elevate", "network", "drive"}) (void)root.find_table(key);
+  for (const char* key : {"segment", "refine", "elevate", "network", "scene", "drive"}) (void)root.find_table(key);
   (void)root.find("fetch");  // site_fetch.hpp reads it
   root.finish();
 

@@ -35,13 +35,14 @@ struct Site {
   bool adapt = false;                                 ///< the network first learns from the site's photo and map
   std::filesystem::path refine_weights;               ///< file of `orthodrive tune`; empty: the shipped weights
   DrivingSide driving_side = DrivingSide::right;
-  std::string dtm_sampling = "cubic";  ///< bilinear | cubic
-  std::vector<std::string> crg;        ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
-  std::string opendrive = "1.7";       ///< version of roads.xodr: 1.7 | 1.8
-  bool junction_grids = false;         ///< surfaces of junctions as OpenDRIVE 1.8 has them, too; needs 1.8
-  Weather weather = Weather::dry;      ///< of the friction that roads.xodr states
-  std::string route = "auto";          ///< closed way to drive: its name, or "auto"
-  Findings findings;                   ///< odd about the area
+  std::string dtm_sampling = "cubic";    ///< bilinear | cubic
+  std::vector<std::string> crg;          ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
+  std::string opendrive = "1.7";         ///< version of roads.xodr: 1.7 | 1.8
+  bool junction_grids = false;           ///< surfaces of junctions as OpenDRIVE 1.8 has them, too; needs 1.8
+  Weather weather = Weather::dry;        ///< of the friction that roads.xodr states
+  std::vector<std::string> scene_roads;  ///< roads that are cut into the ground, as SceneFiles::chosen_roads; none: all
+  std::string route = "auto";            ///< closed way to drive: its name, or "auto"
+  Findings findings;                     ///< odd about the area
   /// Where the site names its files: "site.toml:12: 'sources.photo'".
   std::map<std::filesystem::path, std::string> named_at;
 };

@@ -56,7 +56,7 @@ class Sources {
 
 [[nodiscard]] Terrain read_terrain(const Sources::Files& dtm, const SiteFrame& site);
 
-/// What the photo shows; of several the box around all of them.
+/// What the photo shows; of several the box around all of them. Of terrain models likewise.
 [[nodiscard]] Polygon area_of_photos(const Sources::Files& photos, const Crs& crs);
 /// The same in the UTM zone of its centre: the site of photos that no site file describes.
 [[nodiscard]] SiteFrame site_of_photos(const Sources::Files& photos);

@@ -165,7 +165,7 @@ std::vector<bool> lying_over(std::span<const roadquery::Road> roads) {
   for (std::size_t i = 0; i < roads.size(); ++i) {
     const roadquery::Road& road = roads[i];
     if (road.bridge || road.tunnel || road.layer > 0 || road.junction >= 0 || !(road.length > 0.0) ||
-        road.plan.empty() || road.sections.empty() || road.elevation.empty())
+        road.plan.empty() || road.sections.empty())
       continue;
     for (const Stretch& stretch : stretches_of(road, i)) {
       const auto& c = stretch.corners;
@@ -186,6 +186,11 @@ std::vector<bool> lying_over(std::span<const roadquery::Road> roads) {
     }
   }
   return result;
+}
+
+RoadStructure structure_of(const roadquery::Road& road, bool lies_over) {
+  if (road.tunnel) return RoadStructure::tunnel;
+  return road.bridge || road.layer > 0 || lies_over ? RoadStructure::deck : RoadStructure::ground;
 }
 
 }  // namespace orthodrive::scene

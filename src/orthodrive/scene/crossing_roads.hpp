@@ -19,4 +19,9 @@ namespace orthodrive::scene {
 /// bridge, and on a slope roads stand closer than they are wide. Not roads of junctions, which share a surface.
 [[nodiscard]] std::vector<bool> lying_over(std::span<const roadquery::Road> roads);
 
+/// Where the scene has a road: cut into the ground, on a bridge over it, or in a tube below it. `lies_over`: its flag
+/// of lying_over().
+enum class RoadStructure { ground, deck, tunnel };
+[[nodiscard]] RoadStructure structure_of(const roadquery::Road& road, bool lies_over);
+
 }  // namespace orthodrive::scene

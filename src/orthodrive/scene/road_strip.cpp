@@ -78,8 +78,7 @@ bool is_finite_section(const CrossSection& c) {
 
 bool has_sections(const roadquery::RoadQuery& query, std::size_t index) {
   const roadquery::Road& road = query.map().roads[index];
-  if (!(road.length > lane_jump_m) || road.plan.empty() || road.sections.empty() || road.elevation.empty())
-    return false;
+  if (!(road.length > lane_jump_m) || road.plan.empty() || road.sections.empty()) return false;
   const std::vector<double> fixed = breaks(road);
   return std::all_of(fixed.begin(), fixed.end(), [&](double s) { return is_finite_section(cut_at(query, index, s)); });
 }

@@ -185,11 +185,16 @@ SortedRoads sort_roads(const roadquery::RoadQuery& query, const std::set<int>& o
                           at.y});
       continue;
     }
-    if (road.tunnel) {
-      tunnels[std::min(-1, road.layer)].push_back(&road);
-    } else {
-      const bool is_deck = road.bridge || road.layer > 0 || over.contains(road.id);
-      (is_deck ? decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+    switch (structure_of(road, over.contains(road.id))) {
+      case RoadStructure::tunnel:
+        tunnels[std::min(-1, road.layer)].push_back(&road);
+        break;
+      case RoadStructure::deck:
+        decks[std::max(1, road.layer)].push_back(&road);
+        break;
+      case RoadStructure::ground:
+        sorted.ground.push_back(&road);
+        break;
     }
   }
   const auto tell_apart = [](const auto& by_layer, auto& sets) {
