@@ -15,6 +15,7 @@ template <typename Value>
 CLI::Option* add_choice(CLI::App& cmd, const std::string& name, Value& value,
                         std::vector<std::pair<std::string, Value>> choices, const std::string& text) {
   std::vector<std::string> words;
+  words.reserve(choices.size());
   for (const auto& [word, of_word] : choices) words.push_back(word);
   const std::string default_word = std::ranges::find(choices, value, &std::pair<std::string, Value>::second)->first;
   return cmd

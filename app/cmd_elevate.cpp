@@ -17,12 +17,41 @@ struct ElevateCommand {
   RunElevateOptions options;
   IdleOptions idle;
 };
+
+/// `log`, `control_points`: options that some methods read.
+void add_methods(CLI::App& cmd, ElevateCommand& command, CLI::Option* log, CLI::Option* control_points) {
+  ElevateOptions& o = command.options.elevate.heights;
+  IdleOptions& idle = command.idle;
+  add_choice<HeightSampling>(cmd, "--sampling", o.sampling,
+                             {{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}},
+                             "how heights are taken between the terrain's pixels");
+  CLI::Option* method = add_choice<HeightMethod>(
+      cmd, "--method", o.method,
+      {{"default", HeightMethod::network},
+       {"reference", HeightMethod::reference},
+       {"moving-average", HeightMethod::moving_average}},
+      "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
+      "optimisation, way by way; moving-average: of the terrain along each way");
+  idle.read_for(cmd.add_option("--window", o.window, "of moving-average: samples, odd; 1 is the terrain as sampled")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str(),
+                method, {"moving-average"});
+  idle.read_for(cmd.add_option("--loss", o.loss_m, "of reference: scale of its Cauchy loss, m")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str(),
+                method, {"reference"});
+  idle.read_for(control_points, method, {"default"});
+  idle.read_for(cmd.add_option("--clearance", o.clearance_m,
+                               "of default, and of logs: least height of a bridge over the road below, m")
+                    ->check(CLI::NonNegativeNumber)
+                    ->capture_default_str(),
+                method, {"default"}, {log});
+}
 }  // namespace
 
 void add_elevate(CLI::App& app, Context& context) {
   auto command = std::make_shared<ElevateCommand>();
   ElevateFiles& files = command->files;
-  ElevateOptions& o = command->options.elevate.heights;
   CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile and banking from terrain models.");
   cmd->add_option("--roads", files.roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", files.dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")
@@ -35,31 +64,7 @@ void add_elevate(CLI::App& app, Context& context) {
       "of default: known heights of roads and clearances of decks (points of GeoJSON or GeoPackage); may be repeated");
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
-  add_choice<HeightSampling>(*cmd, "--sampling", o.sampling,
-                             {{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}},
-                             "how heights are taken between the terrain's pixels");
-  CLI::Option* method = add_choice<HeightMethod>(
-      *cmd, "--method", o.method,
-      {{"default", HeightMethod::network},
-       {"reference", HeightMethod::reference},
-       {"moving-average", HeightMethod::moving_average}},
-      "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
-      "optimisation, way by way; moving-average: of the terrain along each way");
-  IdleOptions& idle = command->idle;
-  idle.read_for(cmd->add_option("--window", o.window, "of moving-average: samples, odd; 1 is the terrain as sampled")
-                    ->check(CLI::PositiveNumber)
-                    ->capture_default_str(),
-                method, {"moving-average"});
-  idle.read_for(cmd->add_option("--loss", o.loss_m, "of reference: scale of its Cauchy loss, m")
-                    ->check(CLI::PositiveNumber)
-                    ->capture_default_str(),
-                method, {"reference"});
-  idle.read_for(control_points, method, {"default"});
-  idle.read_for(cmd->add_option("--clearance", o.clearance_m,
-                                "of default, and of logs: least height of a bridge over the road below, m")
-                    ->check(CLI::NonNegativeNumber)
-                    ->capture_default_str(),
-                method, {"default"}, {log});
+  add_methods(*cmd, *command, log, control_points);
   add_driving_side(cmd, command->options.elevate.banking.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(

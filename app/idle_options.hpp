@@ -22,8 +22,8 @@ class IdleOptions {
   using Options = std::vector<const CLI::Option*>;
 
   /// Only where `chooser` has one of `choices` (its default counts), or beside one of `others`.
-  CLI::Option* read_for(CLI::Option* option, const CLI::Option* chooser, std::vector<std::string> choices,
-                        Options others = {}) {
+  CLI::Option* read_for(CLI::Option* option, const CLI::Option* chooser, const std::vector<std::string>& choices,
+                        const Options& others = {}) {
     rules_.push_back({option, [=]() -> std::string {
                         const std::vector<std::string> chosen = values_of(*chooser);
                         if (std::ranges::find_first_of(chosen, choices) != chosen.end() || any_given(others)) return "";
@@ -36,12 +36,12 @@ class IdleOptions {
     return option;
   }
   /// Only beside one of `others`.
-  CLI::Option* needs(CLI::Option* option, Options others) {
+  CLI::Option* needs(CLI::Option* option, const Options& others) {
     rules_.push_back({option, [=]() -> std::string { return any_given(others) ? "" : "without " + names_of(others); }});
     return option;
   }
   /// Never beside one of `others`.
-  CLI::Option* excludes(CLI::Option* option, Options others) {
+  CLI::Option* excludes(CLI::Option* option, const Options& others) {
     rules_.push_back({option, [=]() -> std::string {
                         const auto other = std::ranges::find_if(others, is_given);
                         return other == others.end() ? "" : "with " + (*other)->get_name();

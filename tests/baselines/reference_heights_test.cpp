@@ -47,6 +47,7 @@ double energy(const std::vector<double>& z, const std::vector<double>& terrain) 
 
 TEST(ReferenceHeights, are_a_minimum_of_the_published_energy) {
   std::vector<double> terrain;
+  terrain.reserve(40);
   for (int i = 0; i < 40; ++i) terrain.push_back(50.0 + 0.5 * std::sin(0.4 * i) + (i == 20 ? 4.0 : 0.0));
   const ReferenceHeights result = reference_heights(straight_way(40), {terrain}, {.max_iterations = 100});
   EXPECT_TRUE(result.solve.converged);

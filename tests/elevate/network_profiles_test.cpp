@@ -153,6 +153,7 @@ TEST(NetworkProfiles, standard_deviations_hold) {
   const Hills hills = [](double x, double y) { return 60.0 + 5.0 * std::sin(x / 60.0) + 4.0 * std::cos(y / 70.0); };
   std::size_t within_one = 0, within_two = 0, all = 0;
   std::vector<RoadPath> paths;
+  paths.reserve(20);
   for (int i = 0; i < 20; ++i) paths.push_back(network_path(i + 1, {0.0, 25.0 * i}, {600.0, 30.0 * i}));
   const auto result = estimate_profiles(network_of(paths), {network_dtm(hills, 2.0, 0.2)});
   EXPECT_NEAR(result.terrain_sigma_m[0], 0.16, 0.05) << "cubic interpolation averages a little";

@@ -135,7 +135,7 @@ TensorFile small_tensors() {
 std::string small_caffe_net() {
   caffe::NetParameter net;
   net.set_name("small");
-  const auto add = [&net](const char* name, const char* type, std::vector<std::vector<int>> shapes) {
+  const auto add = [&net](const char* name, const char* type, const std::vector<std::vector<int>>& shapes) {
     caffe::LayerParameter* layer = net.add_layer();
     layer->set_name(name), layer->set_type(type);
     for (const auto& shape : shapes) {

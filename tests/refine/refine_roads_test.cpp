@@ -22,7 +22,7 @@ Polyline s_curve(double y = 200.0) {
   return trace(360.0, [y](double s) { return at(20.0 + s, y + 30.0 * std::sin(s / 55.0)); });
 }
 
-const RoadError& print(const char* what, const RoadError& e) {
+RoadError print(const char* what, const RoadError& e) {
   std::printf("%s: offset mean %.3f max %.3f m, width mean %.3f max %.3f m (%d nodes)\n", what, e.mean_offset_m,
               e.max_offset_m, e.mean_width_m, e.max_width_m, e.count);
   return e;
@@ -471,6 +471,7 @@ TEST(RefineRoads, a_way_that_crosses_itself_is_told_with_its_place) {
 TEST(RefineRoads, a_way_of_100000_nodes_is_refined) {
   RoadScene scene = make_scene(300.0);
   std::vector<RoadNode> nodes;
+  nodes.reserve(100000);
   for (int i = 0; i < 100000; ++i)
     nodes.push_back({.p = at(20.0 + i * 260.0 / 99999.0, 150.0 + 0.001 * (i % 2)), .width_m = 5.0});
   add_truth(scene, straight(at(20, 152), at(280, 152)), 6.0);

@@ -113,8 +113,7 @@ std::optional<Polygon> largest_common_part(const Polygon& a, const Polygon& b) {
   return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
 }
 
-void check_sources(const SceneFiles& files) {
-}
+void check_sources(const SceneFiles& files) {}
 
 /// All that a scene is made of, opened or read. Without a terrain model the ground follows the roads, without a photo
 /// it is drawn: the scene knows no difference.

@@ -333,8 +333,8 @@ class ChainProblem {
       return std::abs(chain_.nodes[i].s_m - chain_.nodes[node].s_m) > hidden_reach_m;
     };
     const auto seen = [&](std::size_t i) { return profiles_.evidence[i * rows_per_segment].mean() > 0.0; };
-    for (std::size_t i = node; i-- > 0 && !far(i);)
-      if (seen(i)) return false;
+    for (std::size_t i = node; i > 0 && !far(i - 1); --i)
+      if (seen(i - 1)) return false;
     for (std::size_t i = node; i < last_ && !far(i); ++i)
       if (seen(i)) return false;
     return true;
