@@ -274,7 +274,7 @@ def write_texts(folder):
 
 def write_bare_road(folder):
     """OpenDRIVE of a road that is a reference line without lanes."""
-    line = '<geometry s="0" x="0" y="0" hdg="0" length="60"><line/></geometry>'
+    line = '<geometry s="0" x="0" y="0" hdg="0" length="60"><arc curvature="0.02"/></geometry>'
     lanes = '<laneSection s="0"><center><lane id="0" type="none" level="false"/></center></laneSection>'
     flat = '<elevation s="0" a="0" b="0" c="0" d="0"/>'
     road = f"<planView>{line}</planView><elevationProfile>{flat}</elevationProfile><lanes>{lanes}</lanes>"

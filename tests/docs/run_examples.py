@@ -29,6 +29,7 @@ from small_folder import ENVIRONMENT, ROOT, cpu_seconds, helps, make_folder, run
 NOT_RUN = {  # part of the example: why
     "new --relation": "a relation of a country's extract",
     "fetch site.toml": "asks servers; tests/fetch runs it against one",
+    "fetch sites/ring.toml": "likewise; tests/fetch/ring_test.py does",
     "--log comma2k19": "a segment of that data set",
     "build region/site.toml": "takes a minute on the smallest region; tests/built_sites builds other sites",
     "town.osm.pbf": "an extract in that format; tests/io does",

@@ -80,7 +80,8 @@ def make_folder(folder, tool, sites):
     small_site, small = sites / "small_site", sites / "small"
     shutil.copytree(small_site, folder / "site")
     shutil.copytree(small, folder / "out")
-    shutil.copytree(small, folder / "out/kvarnbyn")
+    for name in ("kvarnbyn", "ring"):
+        shutil.copytree(small, folder / "out" / name)
     make_models(folder)
     (folder / "sites").mkdir()
     make_track(folder)
@@ -88,12 +89,12 @@ def make_folder(folder, tool, sites):
     text = (small_site / "site.toml").read_text()
     for name in ("ortho.tif", "roads.osm", "dtm_1m.tif", "dtm_10m.tif", "truth"):
         text = text.replace(f'"{name}"', f'"{folder / "site" / name}"')
-    for name in ("site.toml", "sites/kvarnbyn.toml"):
+    for name in ("site.toml", "sites/kvarnbyn.toml", "sites/ring.toml"):
         (folder / name).write_text(text)
     copies = {
-        "site/ortho.tif": ["ortho.tif", "ortho.jpg", "photo.tif", "a.tif", "b.tif"],
-        "site/roads.osm": ["roads.osm", "town.osm", "map.osm"],
-        "site/dtm_1m.tif": ["dtm.tif", "dtm_1m.tif"],
+        "site/ortho.tif": ["ortho.tif", "ortho.jpg", "photo.tif", "a.tif", "b.tif", "sites/ring/photo.mbtiles"],
+        "site/roads.osm": ["roads.osm", "town.osm", "map.osm", "sites/ring/roads.osm"],
+        "site/dtm_1m.tif": ["dtm.tif", "dtm_1m.tif", "sites/ring/dtm.tif"],
         "site/dtm_10m.tif": ["dtm_10m.tif"],
         "site/truth/labels.tif": ["b_labels.tif"],
         "out/labels.tif": ["labels.tif"],
