@@ -47,6 +47,7 @@ NOT_MEASURED_ANEW = {
     "fuzz",
     "lap",
     "network",
+    "nlo",
     "refine",
     "scaling",
     "scene",
