@@ -23,9 +23,9 @@ TEST(BareRoads, get_the_extruded_profile_of_their_reference_line) {
   RoadMap map;
   map.roads = {reference_line(1, 0.0), reference_line(2, 50.0)};
   map.roads[1].sections[1].right = {Lane{-1, LaneType::driving, {{0.0, 3.0, 0.0, 0.0, 0.0}}, {}, {}, {}, {}, {}}};
-  EXPECT_EQ(widen_bare_roads(map, 8.0), 1);
+  EXPECT_EQ(widen_bare_roads(map, 8.0), std::vector<std::size_t>{0});
   EXPECT_TRUE(map.roads[1].sections[0].left.empty());  // has a lane somewhere: as it was
-  EXPECT_EQ(widen_bare_roads(map, 8.0), 0);
+  EXPECT_TRUE(widen_bare_roads(map, 8.0).empty());
   const RoadQuery query(map);
   for (const double s : {0.5, 49.0, 51.0, 99.0}) {
     for (const double t : {-3.9, 0.1, 3.9}) {

@@ -61,18 +61,6 @@ TEST(BuildScene, road_vertices_lie_on_the_surface_of_the_road) {
   EXPECT_NEAR(plan_area_m2(road), 250.0 * 7.0 * std::cos(0.06), 250.0 * 2.0 * 0.02);
 }
 
-/// Height of the mesh at p; NaN where it has no triangle.
-double mesh_height_m(const SceneTile& tile, const TriMesh& mesh, Vec2 p) {
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const Vec3 a = world(tile, mesh.positions[mesh.indices[i]]), b = world(tile, mesh.positions[mesh.indices[i + 1]]),
-               c = world(tile, mesh.positions[mesh.indices[i + 2]]);
-    const Vec2 ab{b.x - a.x, b.y - a.y}, ac{c.x - a.x, c.y - a.y}, ap{p.x - a.x, p.y - a.y};
-    const double u = cross(ap, ac) / cross(ab, ac), v = cross(ab, ap) / cross(ab, ac);
-    if (u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9) return a.z + u * (b.z - a.z) + v * (c.z - a.z);
-  }
-  return std::nan("");
-}
-
 TEST(BuildScene, road_triangles_stay_near_the_surface_between_their_vertices) {
   // A crest in a bend whose banking changes: nothing here is straight.
   Site site = make_site(480.0, {{.start = {west_m + 100.0, south_m + 150.0},

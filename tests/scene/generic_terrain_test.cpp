@@ -22,17 +22,7 @@ Site generic_site(const std::vector<RoadShape>& roads) {
   return site;
 }
 
-double ground_m(const SceneTile& tile, Vec2 p) {
-  const TriMesh& mesh = *find_mesh(tile, MeshKind::terrain);
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const Vec3 a = world(tile, mesh.positions[mesh.indices[i]]), b = world(tile, mesh.positions[mesh.indices[i + 1]]),
-               c = world(tile, mesh.positions[mesh.indices[i + 2]]);
-    const Vec2 ab{b.x - a.x, b.y - a.y}, ac{c.x - a.x, c.y - a.y}, ap{p.x - a.x, p.y - a.y};
-    const double u = cross(ap, ac) / cross(ab, ac), v = cross(ab, ap) / cross(ab, ac);
-    if (u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9) return a.z + u * (b.z - a.z) + v * (c.z - a.z);
-  }
-  return std::nan("");
-}
+double ground_m(const SceneTile& tile, Vec2 p) { return mesh_height_m(tile, *find_mesh(tile, MeshKind::terrain), p); }
 
 /// Largest distance in height of the ground from the road, so far beside its edges.
 double worst_beside_m(const Site& site, const SceneTile& tile, std::size_t index, double beside_m,

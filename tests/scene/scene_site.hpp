@@ -89,6 +89,18 @@ inline const TriMesh* find_mesh(const SceneTile& tile, MeshKind kind) {
 
 inline Vec3 world(const SceneTile& tile, const std::array<float, 3>& p) { return tile.origin + Vec3{p[0], p[1], p[2]}; }
 
+/// Height of the mesh at p; NaN where it has no triangle.
+inline double mesh_height_m(const SceneTile& tile, const TriMesh& mesh, Vec2 p) {
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const Vec3 a = world(tile, mesh.positions[mesh.indices[i]]), b = world(tile, mesh.positions[mesh.indices[i + 1]]),
+               c = world(tile, mesh.positions[mesh.indices[i + 2]]);
+    const Vec2 ab{b.x - a.x, b.y - a.y}, ac{c.x - a.x, c.y - a.y}, ap{p.x - a.x, p.y - a.y};
+    const double u = cross(ap, ac) / cross(ab, ac), v = cross(ab, ap) / cross(ab, ac);
+    if (u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9) return a.z + u * (b.z - a.z) + v * (c.z - a.z);
+  }
+  return std::nan("");
+}
+
 inline double plan_area_m2(const TriMesh* mesh) {
   if (mesh == nullptr) return 0.0;
   double twice = 0.0;

@@ -49,18 +49,6 @@ Site hill_site(const std::function<double(Vec2)>& height_m = hill_m) {
                             height_m));
 }
 
-/// Height of a mesh at p; NaN where it has no triangle.
-double tunnel_height_m(const SceneTile& tile, const TriMesh& mesh, Vec2 p) {
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const Vec3 a = world(tile, mesh.positions[mesh.indices[i]]), b = world(tile, mesh.positions[mesh.indices[i + 1]]),
-               c = world(tile, mesh.positions[mesh.indices[i + 2]]);
-    const Vec2 ab{b.x - a.x, b.y - a.y}, ac{c.x - a.x, c.y - a.y}, ap{p.x - a.x, p.y - a.y};
-    const double u = cross(ap, ac) / cross(ab, ac), v = cross(ab, ap) / cross(ab, ac);
-    if (u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9) return a.z + u * (b.z - a.z) + v * (c.z - a.z);
-  }
-  return std::nan("");
-}
-
 TEST(Tunnels, no_ground_lies_in_the_clear_section) {
   const SceneTile tile = build_scene_tile(*lay_out_scene(hill_site().input()), tile_address);
   const TriMesh &terrain = *find_mesh(tile, MeshKind::terrain), &road = *find_mesh(tile, MeshKind::tunnel_road);
@@ -68,8 +56,8 @@ TEST(Tunnels, no_ground_lies_in_the_clear_section) {
   for (double x = from_m + 0.05; x < to_m; x += 0.7) {
     for (double y = -half_width_m; y <= half_width_m; y += 0.5) {
       const Vec2 p{west_m + x, south_m + north_m + y * 0.999};
-      EXPECT_NEAR(tunnel_height_m(tile, road, p), floor_z, 1e-5) << "the road goes on";
-      const double z = tunnel_height_m(tile, terrain, p);
+      EXPECT_NEAR(mesh_height_m(tile, road, p), floor_z, 1e-5) << "the road goes on";
+      const double z = mesh_height_m(tile, terrain, p);
       if (std::isnan(z)) {
         ++opened;
       } else {
@@ -291,7 +279,7 @@ TEST(Tunnels, without_cover_are_open_cuttings_and_found) {
   const SceneTile tile = build_scene_tile(*layout, tile_address);
   for (double x = from_m + 0.5; x < to_m; x += 5.1)
     EXPECT_TRUE(
-        std::isnan(tunnel_height_m(tile, *find_mesh(tile, MeshKind::terrain), {west_m + x, south_m + north_m + 3.4})));
+        std::isnan(mesh_height_m(tile, *find_mesh(tile, MeshKind::terrain), {west_m + x, south_m + north_m + 3.4})));
   for (const auto& position : find_mesh(tile, MeshKind::tunnel)->positions)
     EXPECT_LT(world(tile, position).z, floor_z + 2.0 + 0.31) << "no vault, but walls";
 }
@@ -318,7 +306,7 @@ TEST(Tunnels, below_a_road_have_a_roof_also_without_ground_above) {
   }
   EXPECT_GE(vault, 2) << "also in the middle";
   for (double y = -20.0; y <= 20.0; y += 1.3)
-    EXPECT_NEAR(tunnel_height_m(tile, road, {west_m + 240.3, south_m + north_m + y}), 10.0, 1e-4) << y;
+    EXPECT_NEAR(mesh_height_m(tile, road, {west_m + 240.3, south_m + north_m + y}), 10.0, 1e-4) << y;
 }
 
 TEST(Tunnels, openings_are_ground_again_from_afar) {

@@ -11,10 +11,10 @@
 #include "orthodrive/core/find_resource.hpp"
 #include "orthodrive/drive/drive_all_roads.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/pipeline/bare_road_finding.hpp"
 #include "orthodrive/report/lap_exchange.hpp"
 #include "orthodrive/report/lap_report.hpp"
 #include "orthodrive/report/lap_table.hpp"
-#include "roadquery/bare_roads.hpp"
 #include "roadquery/road_crgs.hpp"
 #include "roadquery/road_query.hpp"
 #include "roadquery/road_surface.hpp"
@@ -173,12 +173,8 @@ StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& run_optio
   RunDriveOptions options = run_options;
   roadquery::RoadMap map = roadquery::read_opendrive(files.network.string());
   Findings odd;
-  if (const int bare = roadquery::widen_bare_roads(map, options.bare_width_m); bare > 0) {
-    const roadquery::PlanPoint at = roadquery::reference_point(map.roads.front(), 0.0);
-    odd.push_back({Severity::info, "drive.bare_roads",
-                   fmt::format("{} roads have no lanes and are {:g} m wide along their reference lines", bare,
-                               options.bare_width_m),
-                   at.x, at.y});
+  if (const auto bare = widen_bare_roads(map, options.bare_width_m, "drive")) {
+    odd.push_back(*bare);
     if (options.style == DriveStyle::automatic) options.style = DriveStyle::centre;
   }
   roadquery::load_crgs(map, files.network.string());

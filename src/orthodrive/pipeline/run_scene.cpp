@@ -18,6 +18,7 @@
 #include "orthodrive/io/terrain_grid_io.hpp"
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/pipeline/bare_road_finding.hpp"
 #include "orthodrive/pipeline/choose_roads.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/archived_tiles.hpp"
@@ -26,8 +27,6 @@
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
 #include "orthodrive/scene/terrain_windows.hpp"
-#include "roadquery/bare_roads.hpp"
-#include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -63,7 +62,7 @@ bool is_understood(const Crs& crs, Vec2 place) {
 }
 
 /// Where roads are all there is, nothing need lie at its place on the earth: the scene takes the coordinates as they
-/// are, around 0 north, 0 east. Tells so.
+/// are, around 0 north, 0 east. A finding says so.
 Crs crs_of_roads_alone(const roadquery::RoadMap& roads, const Polygon& area, Findings& findings) {
   const Vec2 place = area.outer.front();
   if (!roads.geo_reference.empty() && is_understood({roads.geo_reference}, place)) return {roads.geo_reference};
@@ -113,8 +112,6 @@ std::optional<Polygon> largest_common_part(const Polygon& a, const Polygon& b) {
   return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
 }
 
-void check_sources(const SceneFiles& files) {}
-
 /// All that a scene is made of, opened or read. Without a terrain model the ground follows the roads, without a photo
 /// it is drawn: the scene knows no difference.
 struct SceneInputs {
@@ -131,14 +128,7 @@ struct SceneInputs {
 
   SceneInputs(const SceneFiles& files, const RunSceneOptions& options, StageContext& context)
       : all_roads(roadquery::read_opendrive(files.network.string())) {
-    check_sources(files);
-    if (const int bare = roadquery::widen_bare_roads(all_roads, files.bare_width_m); bare > 0) {
-      const roadquery::PlanPoint at = roadquery::reference_point(all_roads.roads.front(), 0.0);
-      findings.push_back({Severity::info, "scene.bare_roads",
-                          fmt::format("{} roads have no lanes and are drawn {:g} m wide along their reference lines",
-                                      bare, files.bare_width_m),
-                          at.x, at.y});
-    }
+    if (const auto bare = widen_bare_roads(all_roads, files.bare_width_m, "scene")) findings.push_back(*bare);
     roads = files.chosen_roads.empty() ? all_roads : map_of_chosen(all_roads, files.chosen_roads, "--roads");
     place(files, options, context);
     if (files.dtm.empty())

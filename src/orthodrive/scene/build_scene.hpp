@@ -71,7 +71,7 @@ struct TileAddress {
 /// What the tiles of a block share: the roads' union by level, its heights, the splits at tile borders.
 class SceneLayout;
 
-/// Convex hull of the photo's valid pixels: the area of who has no other. Empty for a photo without any.
+/// Convex hull of the photo's valid pixels: the area where no other is given. Empty for a photo without any.
 [[nodiscard]] Polygon photo_outline(const PhotoSource& photo);
 
 /// One block for all of the area. Throws OptionError without an area and InputError when the terrain has no height at

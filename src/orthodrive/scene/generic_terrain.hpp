@@ -22,8 +22,8 @@ struct GenericTerrainOptions {
   double most_cells = 16e6;  ///< cells are larger where the area has more
 };
 
-/// Convex hull of the roads and all that lies within margin_m of them: the area of who has no other. Throws InputError
-/// for roads without any surface and for those over 200 km apart. `name`: of their file.
+/// Convex hull of the roads and all that lies within margin_m of them: the area where no other is given. Throws
+/// InputError for roads without any surface and for those over 200 km apart. `name`: of their file.
 [[nodiscard]] Polygon area_around_roads(const roadquery::RoadMap& roads, double margin_m, const std::string& name);
 
 /// Heights over the box. Throws InputError as above.
