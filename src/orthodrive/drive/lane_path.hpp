@@ -26,7 +26,8 @@ struct LanePath {
 /// Along the middle of all driving lanes of each road; jumps are made up as above. Throws as above.
 [[nodiscard]] LanePath path_along_centre(const roadquery::RoadMap& map, const Route& route);
 
-/// Along the middle of all driving lanes of each road, jumps and all, where the whole width may be used. Throws as above.
+/// Along the middle of all driving lanes of each road, jumps and all, where the whole width may be used. Throws as
+/// above.
 [[nodiscard]] LanePath path_along_middle(const roadquery::RoadMap& map, const Route& route);
 
 /// Outer borders of the outermost driving lanes: sidewalks and shoulders are no room to drive in.
