@@ -84,6 +84,8 @@ std::optional<CrfModel> first_crf(const std::vector<WeightsSource>& sources, int
   return {};
 }
 
+bool is_random(const SurgeryEntry& entry) { return entry.outcome == SurgeryEntry::Outcome::random; }
+
 /// `steps_before`: of the stages before, so that steps of the log go on.
 TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_before) {
   return {.report =
@@ -139,8 +141,10 @@ void train(const TrainingRun& run, Monitor* monitor) {
       write_text_file(run.out / "experiment.toml", run.experiment_text);
       log.emplace(run.out, checkpoint ? steps_before + trainer.step() : -1);
     }
-    if (!checkpoint)
+    if (!checkpoint) {
       write_text_file(run.out / fmt::format("weights_{}.txt", stage.architecture), format_report(start.report));
+      if (std::ranges::any_of(start.report.layers, is_random)) trainer.scale_start(run.scenes);
+    }
     start = {};
     sources.clear();
     checkpoint.reset();

@@ -23,6 +23,7 @@
 #include "orthodrive/train/allowed_class_loss.hpp"
 #include "orthodrive/train/padded_network.hpp"
 #include "orthodrive/train/reusing_allocator.hpp"
+#include "orthodrive/train/scale_start.hpp"
 #include "orthodrive/train/single_threaded_blas.hpp"
 #include "orthodrive/train/weight_mean.hpp"
 
@@ -369,6 +370,14 @@ double Trainer::learning_rate() const {
   return state_->options.learning_rate * schedule_at(state_->options, state_->step);
 }
 const ModelMetadata& Trainer::metadata() const { return state_->metadata; }
+
+void Trainer::scale_start(const std::vector<TrainingScene>& scenes) {
+  State& s = *state_;
+  at::set_num_threads(worker_count(s.options.threads));
+  const int size = s.options.crop_px;
+  const Batch batch = draw_batch(scenes, s.options, s.metadata.gsd_m, s.step, s.on_map());
+  scale_to_unit_output(s.graph, s.params, input_tensors(s.graph, batch.input(), s.options.batch, size, size).to(s.device));
+}
 
 double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   State& s = *state_;

@@ -57,6 +57,9 @@ class Trainer {
   Trainer& operator=(Trainer&&) noexcept;
 
   [[nodiscard]] std::int64_t step() const;
+  /// Before the first step, where starting weights are random: gives features unit size over the first batch
+  /// (scale_start.hpp).
+  void scale_start(const std::vector<TrainingScene>& scenes);
   /// One step; returns its loss. Throws Error when the loss is no number; the weights are then as before the step.
   double advance(const std::vector<TrainingScene>& scenes);
   /// Everything needed to go on, F32. Throws Error when a weight is no number or beyond half precision.
