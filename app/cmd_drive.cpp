@@ -70,12 +70,12 @@ CLI::Option* add_route_options(CLI::App& cmd, DriveArguments& arguments) {
 void add_car_options(CLI::App& cmd, RunDriveOptions& drive, IdleOptions& idle, const CLI::Option* all_roads) {
   cmd.add_option("--vehicle", drive.vehicle, "auto (sports when racing, else family), family, sports, gt3, or a file")
       ->capture_default_str();
-  idle.excludes(add_choice<DriveStyle>(
+  idle.excludes(add_choice<std::optional<DrivingStyle>>(
                     cmd, "--style", drive.style,
-                    {{"auto", DriveStyle::automatic},
-                     {"road", DriveStyle::road},
-                     {"racing", DriveStyle::racing},
-                     {"centre", DriveStyle::centre}},
+                    {{"auto", std::nullopt},
+                     {"road", DrivingStyle::road},
+                     {"racing", DrivingStyle::racing},
+                     {"centre", DrivingStyle::centre}},
                     "auto (centre on roads without lanes, racing on raceways), road (own lane, speed limits), racing "
                     "(whole width, the car's limit), centre (the plain middle of the road, the car's limit)"),
                 {all_roads});

@@ -3,7 +3,7 @@
 // --driving-side of every command that asks for it.
 
 #include "choice_option.hpp"
-#include "orthodrive/model/driving_side.hpp"
+#include "orthodrive/model/roads/parse_driving_side.hpp"
 
 namespace orthodrive::app {
 

@@ -3,7 +3,7 @@
 // The units of the pipeline, which lie in a library: GDAL and the hundred libraries that it brings along are not loaded
 // for what needs none of them, such as help, the version and wrong usage.
 
-#include "orthodrive/pipeline/runs.hpp"
+#include "orthodrive/pipeline/commands/runs.hpp"
 
 namespace orthodrive::app {
 

@@ -4,7 +4,7 @@
 
 #include "commands.hpp"
 #include "idle_options.hpp"
-#include "orthodrive/pipeline/run_scene.hpp"
+#include "orthodrive/pipeline/stages/run_scene.hpp"
 
 namespace orthodrive::app {
 

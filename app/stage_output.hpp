@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/stage_context.hpp"
-#include "orthodrive/pipeline/stage_outcome.hpp"
+#include "orthodrive/pipeline/stages/stage_context.hpp"
+#include "orthodrive/pipeline/stages/stage_outcome.hpp"
 
 namespace orthodrive::app {
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/safetensors_stream.hpp"
-#include "orthodrive/pipeline/packed_scenes.hpp"
-#include "orthodrive/pipeline/training_run.hpp"
+#include "orthodrive/io/models/safetensors_stream.hpp"
+#include "orthodrive/pipeline/training/packed_scenes.hpp"
+#include "orthodrive/pipeline/training/training_run.hpp"
 #include "terminal_monitor.hpp"
 #include "train_packed_usage.hpp"
 

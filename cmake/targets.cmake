@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# One target a folder: orthodrive::<folder>. DEPS are other folders of ours, LIBS are third-party targets
+# One target for each room: orthodrive::<room>. FOLDERS are its own, in the order of their arrows: a file includes those before its
+# own, and what lies in the room itself includes all (tests/includes). DEPS are other rooms, LIBS are third-party targets
 # that stay private (they do not leak into who links us). PART_SOURCES lie in the folder and belong to the part PART of
 # orthodrive_part() instead. APART are files that alone need APART_FLAGS and APART_LIBS. A COLD room takes little of the time of a
 # build of a site: it is compiled in three quarters of the time.
@@ -12,8 +13,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
 endif()
 
 function(orthodrive_library NAME)
-  cmake_parse_arguments(A "COLD" "PART" "DEPS;LIBS;PART_SOURCES;APART;APART_FLAGS;APART_LIBS" ${ARGN})
-  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(A "COLD" "PART" "FOLDERS;DEPS;LIBS;PART_SOURCES;APART;APART_FLAGS;APART_LIBS" ${ARGN})
+  file(GLOB_RECURSE SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(TRANSFORM A_PART_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(TRANSFORM A_APART PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(REMOVE_ITEM SOURCES ${A_PART_SOURCES} ${A_APART})
@@ -68,7 +69,7 @@ function(orthodrive_shared_library TARGET KIND NAME FOLDER)
 endfunction()
 
 # A part of the tool that a command loads when it needs it: lib/orthodrive/parts/NAME.so, of what the rooms have given to it and
-# its table, pipeline/part_NAME.cpp. orthodrive::part_NAME is the same without the table for programs that link the rooms, such as
+# its table, pipeline/commands/part_NAME.cpp. orthodrive::part_NAME is the same without the table for programs that link the rooms, such as
 # tests. DEPS and LIBS as above.
 function(orthodrive_part NAME)
   cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
@@ -80,7 +81,7 @@ function(orthodrive_part NAME)
   target_compile_options(orthodrive_part_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
   target_link_libraries(orthodrive_part_${NAME} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
   orthodrive_shared_library(orthodrive_${NAME}_so MODULE ${NAME} parts $<TARGET_OBJECTS:orthodrive_part_${NAME}>
-    ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/part_${NAME}.cpp)
+    ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/commands/part_${NAME}.cpp)
   target_include_directories(orthodrive_${NAME}_so PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_compile_options(orthodrive_${NAME}_so PRIVATE ${ORTHODRIVE_WARNINGS})
   target_link_libraries(orthodrive_${NAME}_so PRIVATE orthodrive_library orthodrive_core_library ${A_LIBS})

@@ -4,7 +4,7 @@
 // files.
 //
 // Read first: src/orthodrive/refine/refine_roads.hpp (options in, result out: every stage looks like this),
-// src/orthodrive/model/road_network.hpp. Next: 04_build_one_tile.cpp.
+// src/orthodrive/model/roads/road_network.hpp. Next: 04_build_one_tile.cpp.
 
 #include <cmath>
 #include <cstdio>

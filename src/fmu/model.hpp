@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What an FMU of ours is made of: a table of variables, and a model that turns inputs into outputs. The C functions of
-// FMI 2.0 and 3.0 (fmi2_functions, fmi3_functions) and the modelDescription.xml (io/fmu_io) are made from the table.
+// FMI 2.0 and 3.0 (fmi2_functions, fmi3_functions) and the modelDescription.xml (io/opendrive/fmu_io) are made from the
+// table.
 
 #include <cstddef>
 #include <filesystem>

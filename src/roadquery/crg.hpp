@@ -35,7 +35,7 @@ struct CrgSurface {
 /// x, y, z of the reference line by steps of u_increment_m from (x0, y0, z0).
 void integrate_reference_line(CrgSurface& surface, double x0, double y0, double z0);
 
-/// A file as it stands: its values, and what it asks of who evaluates them.
+/// A file as it stands: its values, and what it asks of their evaluation.
 struct CrgFile {
   CrgSurface surface;
   CrgFormat format = CrgFormat::krbi;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // An OpenCRG file made ready to be asked thousands of times a second: modifiers applied, heights in one table, the
-// reference line as strips. The definition it must agree with is orthodrive/model/crg.hpp.
+// reference line as strips. The definition it must agree with is orthodrive/model/roads/crg_geometry.hpp.
 
 #include <cstddef>
 #include <cstdint>

@@ -8,14 +8,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "roadquery/text.hpp"
+
 namespace roadquery {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 /// Settings as C's strtod reads them: what follows the number is passed over ("2.000000000+e00" is 2).
 std::optional<double> leading_number(std::string_view text) {
@@ -37,7 +33,7 @@ class HeaderParser {
       if (!next) fail("the file ends before its data ($$$$); is it an OpenCRG file?");
       if (next->starts_with("$$$$")) break;
       if (next->starts_with('$')) {
-        section_ = lower(trimmed(next->substr(0, next->find_first_of(" \t!*"))));
+        section_ = lowered(trimmed(next->substr(0, next->find_first_of(" \t!*"))));
         if (section_ == "$road_crg_file")
           fail("data in another file ($ROAD_CRG_FILE) is not supported, put it into this one");
       } else {
@@ -66,7 +62,7 @@ class HeaderParser {
       const auto [key, text] = assignment(line);
       const auto parsed = crg_number(text);
       if (!parsed) fail("'" + std::string(text) + "' of " + std::string(key) + " is not a number");
-      header_.road[lower(key)] = *parsed;
+      header_.road[lowered(key)] = *parsed;
     } else if (section_.starts_with("$road_crg_")) {
       parse_setting(line);
     }
@@ -74,12 +70,12 @@ class HeaderParser {
 
   void parse_setting(std::string_view line) {
     const auto [key, text] = assignment(line);
-    header_.settings.push_back(section_ + " " + lower(key));
+    header_.settings.push_back(section_ + " " + lowered(key));
     const bool option = section_ == "$road_crg_opts";
     if (!option && section_ != "$road_crg_mods") return;
     const auto parsed = leading_number(text);
     if (!parsed) fail("'" + std::string(text) + "' of " + std::string(key) + " is not a number");
-    (option ? header_.options : header_.modifiers)[lower(key)] = *parsed;
+    (option ? header_.options : header_.modifiers)[lowered(key)] = *parsed;
   }
 
   [[nodiscard]] std::pair<std::string_view, std::string_view> assignment(std::string_view line) const {
@@ -90,7 +86,7 @@ class HeaderParser {
 
   void parse_format(std::string_view name) {
     for (const CrgFormat format : {CrgFormat::lrfi, CrgFormat::ldfi, CrgFormat::krbi, CrgFormat::kdbi})
-      if (lower(name) == lower(name_of(format))) header_.format = format;
+      if (lowered(name) == lowered(name_of(format))) header_.format = format;
     if (!header_.format) fail("data format '" + std::string(name) + "' is not one of LRFI, LDFI, KRBI, KDBI");
   }
 
@@ -103,7 +99,7 @@ class HeaderParser {
       if (comma == std::string_view::npos) break;
       rest.remove_prefix(comma + 1);
     }
-    const std::string name = lower(parts.front()), unit = parts.size() > 1 ? lower(parts[1]) : "";
+    const std::string name = lowered(parts.front()), unit = parts.size() > 1 ? lowered(parts[1]) : "";
     if (line.starts_with("U:")) {
       if (name == "reference line u" && parts.size() > 3)
         header_.virtual_u_start = crg_number(parts[2]), header_.virtual_u_increment = crg_number(parts[3]);
@@ -163,12 +159,6 @@ std::optional<double> crg_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
-  return text;
 }
 
 std::optional<std::string_view> next_line(std::string_view bytes, std::size_t& at) {

@@ -38,7 +38,6 @@ struct CrgHeader {
 [[noreturn]] void fail_at_line(const std::string& file, std::size_t line, const std::string& what);
 /// A whole field as a finite number.
 [[nodiscard]] std::optional<double> crg_number(std::string_view text);
-[[nodiscard]] std::string_view trimmed(std::string_view text);
 /// The line that begins at `at` without its end, and `at` moved behind it; nothing at the end.
 [[nodiscard]] std::optional<std::string_view> next_line(std::string_view bytes, std::size_t& at);
 /// The shortest text that reads back as the number.

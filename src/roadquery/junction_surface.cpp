@@ -256,14 +256,14 @@ JunctionArm junction_arm(const Road& road, ContactPoint end) {
 namespace {
 
 /// The end of a road that is linked to a junction.
-struct RoadEnd {
+struct PavedEnd {
   JunctionArm arm;
   int junction = 0;
 };
 
 /// Both ends of all roads that are linked to junctions with a surface, but for ways that two surfaces cover.
-std::vector<RoadEnd> ends_at_junctions(const RoadMap& map, const std::unordered_set<int>& with_surface) {
-  std::vector<RoadEnd> ends;
+std::vector<PavedEnd> ends_at_junctions(const RoadMap& map, const std::unordered_set<int>& with_surface) {
+  std::vector<PavedEnd> ends;
   std::unordered_set<int> covered;
   for (const ShortWay& way : short_ways(map))
     if (with_surface.contains(way.junctions[0]) && with_surface.contains(way.junctions[1]))
@@ -301,7 +301,7 @@ void join_arms(RoadMap& map) {
   std::unordered_set<int> with_surface;
   for (const Junction& junction : map.junctions)
     if (junction.surface) with_surface.insert(junction.id);
-  const std::vector<RoadEnd> ends = ends_at_junctions(map, with_surface);
+  const std::vector<PavedEnd> ends = ends_at_junctions(map, with_surface);
   std::vector<std::size_t> by_x(ends.size());
   std::iota(by_x.begin(), by_x.end(), std::size_t{0});
   std::sort(by_x.begin(), by_x.end(), [&](std::size_t a, std::size_t b) { return ends[a].arm.x < ends[b].arm.x; });
@@ -319,7 +319,7 @@ void join_arms(RoadMap& map) {
     auto at = std::lower_bound(by_x.begin(), by_x.end(), west - reach_m,
                                [&](std::size_t i, double x) { return ends[i].arm.x < x; });
     for (; at != by_x.end() && ends[*at].arm.x <= east + reach_m; ++at) {
-      const RoadEnd& end = ends[*at];
+      const PavedEnd& end = ends[*at];
       if (end.junction == junction.id || end.arm.y < south - reach_m || end.arm.y > north + reach_m) continue;
       if (reaches_into(end.arm, surface)) own.push_back(*at);
     }

@@ -17,6 +17,7 @@
 
 #include "roadquery/crg_header.hpp"
 #include "roadquery/crg_newlines.hpp"
+#include "roadquery/text.hpp"
 
 namespace roadquery {
 namespace {

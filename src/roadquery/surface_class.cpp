@@ -5,6 +5,8 @@
 #include <array>
 #include <string>
 
+#include "roadquery/text.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -57,12 +59,6 @@ constexpr SurfaceName names[] = {
     {"woodchips", SurfaceClass::ground},
 };
 
-std::string lower_case(std::string_view text) {
-  std::string result;
-  for (const char c : text) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
-
 std::string_view without_spaces(std::string_view text) {
   constexpr std::string_view space = " \t\r\n";
   const std::size_t begin = text.find_first_not_of(space);
@@ -83,7 +79,7 @@ std::optional<SurfaceClass> class_of_one(std::string_view text) {
 const char* to_string(SurfaceClass surface) { return class_names.at(static_cast<std::size_t>(surface)); }
 
 std::optional<SurfaceClass> surface_class_of(std::string_view text) {
-  const std::string all = lower_case(text);
+  const std::string all = lowered(text);
   for (std::size_t begin = 0; begin <= all.size();) {
     const std::size_t end = std::min(all.find(';', begin), all.size());
     if (const auto surface = class_of_one(without_spaces(std::string_view(all).substr(begin, end - begin))))

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "roadquery/text.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -60,8 +62,7 @@ std::map<std::string, double> read_header(Words& words, std::string_view& word) 
   std::map<std::string, double> header;
   for (word = words.next(); !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) != 0 && word != "nan";
        word = words.next()) {
-    std::string name(word.substr(0, 40));
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string name = lowered(word.substr(0, 40));
     const double value = words.number(words.next(), name.c_str());
     if (!std::isfinite(value) && name != "nodata_value") words.fail(name + " is not finite");
     if (!header.emplace(name, value).second) words.fail(name + " stands twice");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "roadquery/number_text.hpp"
+#include "roadquery/text.hpp"
 #include "vehicle/car_geometry.hpp"
 #include "vehicle/car_table.hpp"
 
@@ -30,12 +31,6 @@ std::string number_text(double value) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   return {buffer.data(), end};
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
 /// The line without its comment; a # inside quotes is text.
@@ -62,20 +57,20 @@ class Entries {
     int number = 0;
     while (!text.empty()) {
       const auto end = text.find('\n');
-      const std::string_view line = trimmed(without_comment(text.substr(0, end)));
+      const std::string_view line = roadquery::trimmed(without_comment(text.substr(0, end)));
       text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
       ++number;
       if (line.empty()) continue;
       if (line.front() == '[') {
         if (line.back() != ']') fail(number, "a section needs a closing ]: " + shown(line));
-        section = std::string(trimmed(line.substr(1, line.size() - 2)));
+        section = std::string(roadquery::trimmed(line.substr(1, line.size() - 2)));
         if (!sections_.emplace(section, number).second) fail(number, "section " + shown(section) + " stands twice");
         continue;
       }
       const auto equals = line.find('=');
       if (equals == std::string_view::npos) fail(number, "neither [section] nor key = value: " + shown(line));
-      const std::string key(trimmed(line.substr(0, equals)));
-      const Value value{number, false, trimmed(line.substr(equals + 1))};
+      const std::string key(roadquery::trimmed(line.substr(0, equals)));
+      const Value value{number, false, roadquery::trimmed(line.substr(equals + 1))};
       if (!values_.emplace(std::pair(section, key), value).second) {
         fail(number, "key " + shown(key) + " stands twice in its section");
       }
@@ -148,7 +143,7 @@ struct Reader {
     rest = rest.substr(1, rest.size() - 2);
     while (true) {
       const auto comma = rest.find(',');
-      values.push_back(entries.number(text, trimmed(rest.substr(0, comma))));
+      values.push_back(entries.number(text, roadquery::trimmed(rest.substr(0, comma))));
       expect_inside(text, key, unit, values.back(), range);
       if (values.size() > longest_list) entries.fail(text.line, std::string(key) + " has too many numbers");
       if (comma == std::string_view::npos) break;

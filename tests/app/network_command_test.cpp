@@ -5,8 +5,8 @@
 
 #include "app/run_tool.hpp"
 #include "network/network_support.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "roadquery/road_query.hpp"
 
 namespace orthodrive {

@@ -15,8 +15,8 @@
 #include "io/npy_bytes.hpp"
 #include "opendrive_peers.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {

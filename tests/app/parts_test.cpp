@@ -141,7 +141,7 @@ TEST(Processor, an_old_one_is_told_what_it_lacks) {
             "(Intel since 2013, AMD since 2015)");
   EXPECT_THAT(too_old({.avx2 = true}), HasSubstr("it has no FMA;"));
   EXPECT_THAT(too_old({.fma = true}), HasSubstr("it has no AVX2;"));
-  EXPECT_EQ(too_old(app::processor_features()), "");  // of who runs the tests
+  EXPECT_EQ(too_old(app::processor_features()), "");  // of the machine that runs the tests
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "app/expect_clean_failure.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -7,8 +7,8 @@
 
 #include "app/run_tool.hpp"
 #include "io/scratch.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "roadquery/lane_material.hpp"
 #include "roadquery/road_query.hpp"
 

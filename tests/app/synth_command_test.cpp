@@ -15,8 +15,8 @@
 #include <string>
 
 #include "orthodrive/core/hash.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

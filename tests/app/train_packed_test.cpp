@@ -136,7 +136,7 @@ TEST(TrainPackedProgram, builds_from_its_bundle_with_libtorch_alone) {
   const fs::path bundle = scratch / "bundle", build = scratch / "build";
   const ToolRun collected = run_program({paths::in_source("tools/trainer/bundle"), bundle});
   ASSERT_EQ(collected.exit_code, 0) << collected.err;
-  EXPECT_FALSE(fs::exists(bundle / "src/orthodrive/io/caffe_model.cpp"));
+  EXPECT_FALSE(fs::exists(bundle / "src/orthodrive/io/models/caffe_model.cpp"));
   const ToolRun configured = run_program(
       {"/usr/bin/cmake", "-S", bundle, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0"});
   ASSERT_EQ(configured.exit_code, 0) << configured.err;

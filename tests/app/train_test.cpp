@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "app/expect_clean_failure.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "orthodrive/baselines/reference_heights.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 
 namespace orthodrive {
 namespace {

@@ -42,8 +42,10 @@ def check_rows(root, rows, faults):
 def check_complete(root, rows, faults):
     by_name = {what: versions for what, versions, _, _ in rows}
     files = {file for _, _, file, _ in rows}
-    default = re.search(r"int version = (\d+);", (root / "src/orthodrive/pipeline/build_stage.hpp").read_text())[1]
-    for file in sorted((root / "src/orthodrive/pipeline").glob("run_*.cpp")):
+    default = re.search(r"int version = (\d+);", (root / "src/orthodrive/pipeline/stages/build_stage.hpp").read_text())[
+        1
+    ]
+    for file in sorted((root / "src/orthodrive/pipeline/stages").glob("run_*.cpp")):
         text = file.read_text()
         for name in re.findall(r'return \{\.name = "(\w+)",', text):
             version = re.search(r"\.version = (\d+)", text)

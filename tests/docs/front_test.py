@@ -29,15 +29,15 @@ class Versions(unittest.TestCase):
         "CHANGELOG.md": "## [Unreleased]\n\n## [1.2.3] - 2026-01-02\n\n## [1.2.2] - 2026-01-01\n",
         "CITATION.cff": "cff-version: 1.2.0\nversion: 1.2.3\n",
         "viewer/package.json": '{\n  "private": true\n}\n',
-        "src/orthodrive/pipeline/build_stage.hpp": "int version = 1;\n",
-        "src/orthodrive/pipeline/run_scene.cpp": 'return {.name = "scene",\n .version = 7,\n',
-        "src/orthodrive/pipeline/run_drive.cpp": 'return {.name = "drive",\n .sources = {}\n',
+        "src/orthodrive/pipeline/stages/build_stage.hpp": "int version = 1;\n",
+        "src/orthodrive/pipeline/stages/run_scene.cpp": 'return {.name = "scene",\n .version = 7,\n',
+        "src/orthodrive/pipeline/stages/run_drive.cpp": 'return {.name = "drive",\n .sources = {}\n',
         "src/orthodrive/pipeline/packed.cpp": 'format_version = "4";\n',
         "README.md": "",
         check_versions.PAGE: "| what | version | where |\n|---|---|---|\n"
         "| Orthodrive | 1.2.3 | `CMakeLists.txt`: `project(orthodrive VERSION 1.2.3` |\n"
-        "| stage scene | 7 | `src/orthodrive/pipeline/run_scene.cpp`: `.version = 7,` |\n"
-        "| stage drive | 1 | `src/orthodrive/pipeline/build_stage.hpp`: `int version = 1;` |\n"
+        "| stage scene | 7 | `src/orthodrive/pipeline/stages/run_scene.cpp`: `.version = 7,` |\n"
+        "| stage drive | 1 | `src/orthodrive/pipeline/stages/build_stage.hpp`: `int version = 1;` |\n"
         '| packed | 4 | `src/orthodrive/pipeline/packed.cpp`: `format_version = "4";` |\n',
     }
 
@@ -67,10 +67,16 @@ class Versions(unittest.TestCase):
     def test_rows_say_what_the_code_says(self):
         page = check_versions.PAGE
         self.finds(
-            "does not say .version = 7,", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,"
+            "does not say .version = 7,",
+            "src/orthodrive/pipeline/stages/run_scene.cpp",
+            ".version = 7,",
+            ".version = 8,",
         )
         self.finds(
-            "stage scene has version 8", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,"
+            "stage scene has version 8",
+            "src/orthodrive/pipeline/stages/run_scene.cpp",
+            ".version = 7,",
+            ".version = 8,",
         )
         self.finds(".version = 7, is not 6", page, "| stage scene | 7 ", "| stage scene | 6 ")
         self.finds("no version, file and text", page, "| packed | 4 | `", "| packed | four | `")

@@ -7,7 +7,7 @@
 
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/axle_line.hpp"
+#include "orthodrive/drive/line/axle_line.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
-#include "orthodrive/drive/bounded_line.hpp"
-#include "orthodrive/drive/driving_line.hpp"
-#include "orthodrive/drive/steering_limits.hpp"
+#include "orthodrive/drive/car/steering_limits.hpp"
+#include "orthodrive/drive/line/bounded_line.hpp"
+#include "orthodrive/drive/line/driving_line.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/bounded_line.hpp"
+#include "orthodrive/drive/line/bounded_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,8 @@
 #pragma once
 // The shipped cars, with a driver each.
 
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/car/envelope_table.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 #include "paths.hpp"
 #include "vehicle/read_car.hpp"
 
@@ -24,8 +25,14 @@ inline DriveOptions racing(const char* file) {
   DriveOptions options;
   options.car = car_of(file);
   options.driver = racing_driver();
-  options.racing = true;
+  options.style = DrivingStyle::racing;
   return options;
+}
+
+/// Finds the route and drives it.
+inline DriveResult simulate_lap(const roadquery::RoadMap& map, const DriveOptions& options) {
+  const roadquery::RoadQuery query(map);
+  return drive_route(query, find_route(map, options.route), options, EnvelopeTable(options.car));
 }
 
 }  // namespace orthodrive::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/heave.hpp"
+#include "orthodrive/drive/car/heave.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
-#include "orthodrive/drive/lane_path.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
-#include "orthodrive/drive/speed_profile.hpp"
+#include "orthodrive/drive/car/speed_profile.hpp"
+#include "orthodrive/drive/drive_route.hpp"
+#include "orthodrive/drive/line/lane_path.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {
@@ -50,7 +50,7 @@ double heave_stiffness_ps2(const vehicle::CarParameters& car) {
 
 TEST(SimulateLap, centre_line_is_driven_as_it_is) {
   DriveOptions options = racing("sports_car.toml");
-  options.centre_line = true;
+  options.style = DrivingStyle::centre;
   options.driver.max_lateral_mps2 = 5.0;
   const DriveResult lap = simulate_lap(map_of({make_circle(1, 50.0)}), options);
   EXPECT_TRUE(lap.finished);
@@ -59,7 +59,7 @@ TEST(SimulateLap, centre_line_is_driven_as_it_is) {
   EXPECT_NEAR(lap.mean_speed_mps, std::sqrt(5.0 * 50.0), 0.2);
   EXPECT_LT(lap.max_line_error_m, 0.3);
   EXPECT_EQ(lap.tyre_misses, 0u);
-  options.centre_line = false;
+  options.style = DrivingStyle::racing;
   // The line of least curvature is the widest circle.
   EXPECT_GT(simulate_lap(map_of({make_circle(1, 50.0)}), options).length_m, 2.0 * std::numbers::pi * 51.0);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a wheel finds beside its road.
 
-#include "orthodrive/drive/monitored_road.hpp"
+#include "orthodrive/drive/car/monitored_road.hpp"
 
 #include <gtest/gtest.h>
 

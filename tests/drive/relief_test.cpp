@@ -9,7 +9,7 @@
 
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 #include "roadquery/road_crgs.hpp"
 
 namespace orthodrive {

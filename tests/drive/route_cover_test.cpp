@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/route_cover.hpp"
+#include "orthodrive/drive/routes/route_cover.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/route.hpp"
+#include "orthodrive/drive/routes/route.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/drive/speed_profile.hpp"
+#include "orthodrive/drive/car/speed_profile.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -11,8 +11,8 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/elevate/design_banking.hpp"
-#include "orthodrive/elevate/estimate_banking.hpp"
+#include "orthodrive/elevate/banking/design_banking.hpp"
+#include "orthodrive/elevate/banking/estimate_banking.hpp"
 #include "sanitized.hpp"
 
 namespace orthodrive {

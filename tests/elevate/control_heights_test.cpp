@@ -9,7 +9,7 @@
 
 #include "elevate/test_roads.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/profiles/estimate_profiles.hpp"
 
 namespace orthodrive {
 namespace {

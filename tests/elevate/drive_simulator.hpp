@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/elevate/measure_roughness.hpp"
-#include "orthodrive/model/drive_log.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/elevate/logs/measure_roughness.hpp"
+#include "orthodrive/model/roads/drive_log.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

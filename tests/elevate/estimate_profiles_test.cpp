@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/profiles/estimate_profiles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels of banking: pixels of a terrain model across a road, and the fit along one chain.
 
-#include "orthodrive/elevate/fit_banking.hpp"
+#include "orthodrive/elevate/banking/fit_banking.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/elevate/logs/fuse_drive_logs.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

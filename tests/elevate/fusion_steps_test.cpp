@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "orthodrive/elevate/driven_samples.hpp"
-#include "orthodrive/elevate/fusion_problem.hpp"
-#include "orthodrive/elevate/given_profile.hpp"
-#include "orthodrive/elevate/road_meetings.hpp"
-#include "orthodrive/elevate/sensor_model.hpp"
+#include "orthodrive/elevate/logs/driven_samples.hpp"
+#include "orthodrive/elevate/logs/fusion_problem.hpp"
+#include "orthodrive/elevate/logs/given_profile.hpp"
+#include "orthodrive/elevate/logs/road_meetings.hpp"
+#include "orthodrive/elevate/logs/sensor_model.hpp"
 #include "test_roads.hpp"
 
 namespace orthodrive::elevate {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which road passes over the other, and where the terrain is the road.
 
-#include "orthodrive/elevate/grade_separations.hpp"
+#include "orthodrive/elevate/terrain/grade_separations.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/elevate/match_log.hpp"
+#include "orthodrive/elevate/logs/match_log.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/elevate/measure_roughness.hpp"
+#include "orthodrive/elevate/logs/measure_roughness.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,9 +11,9 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/profiles/estimate_profiles.hpp"
 #include "orthodrive/math/robust_fit.hpp"
-#include "orthodrive/model/design_limits.hpp"
+#include "orthodrive/model/roads/design_limits.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "elevate/record_measured.hpp"
-#include "orthodrive/elevate/fuse_drive_logs.hpp"
-#include "orthodrive/io/drive_log_io.hpp"
+#include "orthodrive/elevate/logs/fuse_drive_logs.hpp"
+#include "orthodrive/io/opendrive/drive_log_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive::test {
 

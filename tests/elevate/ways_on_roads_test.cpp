@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/elevate/ways_on_roads.hpp"
+#include "orthodrive/elevate/logs/ways_on_roads.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults that are put into small scenes are found, and nothing else is.
-#include "orthodrive/evaluate/evaluate_scene.hpp"
+#include "orthodrive/evaluate/scenes/evaluate_scene.hpp"
 
 #include <gtest/gtest.h>
 

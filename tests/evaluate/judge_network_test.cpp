@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The verdict on maps made by hand: a clean one passes, and every made fault is found where it is.
 
-#include "orthodrive/evaluate/judge_network.hpp"
+#include "orthodrive/evaluate/networks/judge_network.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/evaluate/evaluate_labels.hpp"
+#include "orthodrive/evaluate/labels/evaluate_labels.hpp"
 
 namespace orthodrive {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "orthodrive/evaluate/compare_surfaces.hpp"
-#include "orthodrive/evaluate/evaluate_network.hpp"
+#include "orthodrive/evaluate/networks/compare_surfaces.hpp"
+#include "orthodrive/evaluate/networks/evaluate_network.hpp"
 
 namespace orthodrive {
 namespace {
@@ -152,7 +152,7 @@ TEST(EvaluateNetwork, clearance_under_a_bridge) {
   EXPECT_NEAR(scores.min_clearance_m, 5.5, 1e-9);
   EXPECT_DOUBLE_EQ(scores.connected_share, 0.5);
   ASSERT_EQ(scores.crossing_places.size(), 1u);
-  const GradeSeparation& place = scores.crossing_places[0];
+  const Overpass& place = scores.crossing_places[0];
   EXPECT_EQ(place.upper_road, 2);
   EXPECT_EQ(place.lower_road, 1);
   EXPECT_NEAR(place.x, 50.0, 1e-9);

@@ -2,7 +2,7 @@
 #pragma once
 // Roads along given lines, for the tests of this folder. Lines are in metres from `origin`.
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "evaluate/road_lines.hpp"
-#include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/roads/evaluate_roads.hpp"
 
 namespace orthodrive {
 namespace {

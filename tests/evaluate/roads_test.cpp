@@ -9,8 +9,8 @@
 #include "evaluate/road_lines.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/evaluate/evaluate_heights.hpp"
-#include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/roads/evaluate_heights.hpp"
+#include "orthodrive/evaluate/roads/evaluate_roads.hpp"
 
 namespace orthodrive {
 namespace {

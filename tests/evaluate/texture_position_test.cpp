@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photo is a formula, the picture of the tile is drawn from it with a known shift.
-#include "orthodrive/evaluate/texture_position.hpp"
+#include "orthodrive/evaluate/scenes/texture_position.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "app/run_tool.hpp"
-#include "orthodrive/io/fmu_io.hpp"
+#include "orthodrive/io/opendrive/fmu_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -6,13 +6,15 @@ one.
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
 A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
-its DEPS; this script reads them and asks five things:
+its DEPS; this script reads them and asks six things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
 3. No stage opens a file, nor does a room that a stage includes, but for the few files of core that do it for all.
 4. No circle of includes between files.
 5. Headers show third-party types only where THIRD_PARTY allows it, so that these libraries can be changed in one .cpp.
+6. A room's own folders stand in its FOLDERS in the order of their arrows: a file includes its own folder and those
+   before it; what lies in the room itself includes all of them, and is included by none.
 """
 
 import pathlib
@@ -34,7 +36,7 @@ FILE_ACCESS = {
 # The command line parses options and calls the pipeline. Of the other rooms it sees what options and their errors need.
 APP_ROOMS = {"pipeline", "model", "core", "app"}
 APP_HEADERS = {
-    "orthodrive/io/safetensors_stream.hpp",  # orthodrive-train reads packed data
+    "orthodrive/io/models/safetensors_stream.hpp",  # orthodrive-train reads packed data
 }
 # Standard C++ everywhere; these in headers too.
 THIRD_PARTY = {
@@ -95,6 +97,15 @@ def read_arrows(root):
     return arrows
 
 
+def read_folders(root):
+    """{room: its own folders in the order of their arrows}: the FOLDERS of orthodrive_library."""
+    folders = {}
+    for file in sorted((root / "src/orthodrive").glob("*/CMakeLists.txt")):
+        for name, words in re.findall(r"orthodrive_library\((\w+)(?: COLD)? FOLDERS ([a-z ]+)", file.read_text()):
+            folders[name] = words.split()
+    return folders
+
+
 def reach_of(room, arrows):
     found, stack = set(), [room]
     while stack:
@@ -130,7 +141,20 @@ def room_of(name):
     return name.split("/")[1] if name.startswith("orthodrive/") else name.split("/")[0]
 
 
-def check_file(name, text, reach, known):
+def folder_of(name):
+    """The folder of its room that a file lies in; empty: in the room itself."""
+    parts = name.split("/")
+    return parts[2] if len(parts) == 4 and parts[0] == "orthodrive" else ""
+
+
+def is_upward(name, target, folders):
+    """Whether an include leads to a later folder of the same room, or out of a folder to the room itself."""
+    own, other = folder_of(name), folder_of(target)
+    order = [*folders.get(room_of(name), []), ""]
+    return own in order and other in order and order.index(other) > order.index(own)
+
+
+def check_file(name, text, reach, known, folders):
     """What is wrong in one file, and which files of ours it includes."""
     room, wrong, ours = room_of(name), [], set()
     is_header = name.endswith((".hpp", ".h", ".inl"))
@@ -154,6 +178,11 @@ def check_file(name, text, reach, known):
                     )
             elif other != room and other not in reach[room]:
                 wrong.append(f"includes {quoted}: no arrow leads from {room} to {other}")
+            elif other == room and is_upward(name, target, folders):
+                own = folder_of(name)
+                wrong.append(
+                    f"includes {quoted}: {own} comes before {folder_of(target) or room + ' itself'} in FOLDERS"
+                )
             continue
         if not opens_files and OPENING_HEADERS.fullmatch(angled):
             wrong.append(f"includes <{angled}>: {room} opens no file")
@@ -190,12 +219,15 @@ def check(root):
         for file in sorted(base.rglob("*")):
             if file.suffix in (".cpp", ".hpp", ".h", ".inl", ".c"):
                 known[prefix + file.relative_to(base).as_posix()] = file.read_text()
-    includes = {}
+    includes, folders = {}, read_folders(root)
+    used = {(room_of(name), folder_of(name)) for name in known if folder_of(name)}
+    listed = {(room, folder) for room, own in folders.items() for folder in own}
+    findings += [f"{room}: FOLDERS and the folder {folder} do not agree" for room, folder in sorted(used ^ listed)]
     for name, text in known.items():
         if room_of(name) not in arrows and room_of(name) != "app":
             findings.append(f"{name}: no target {room_of(name)}")
             continue
-        wrong, includes[name] = check_file(name, text, reach, known)
+        wrong, includes[name] = check_file(name, text, reach, known, folders)
         findings += [f"{name}: {w}" for w in wrong]
     findings += [
         "a circle of includes: " + " -> ".join(circle)

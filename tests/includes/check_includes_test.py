@@ -18,9 +18,9 @@ GOOD = {
         "target_link_libraries(orthodrive_model PUBLIC roadquery)\n"
     ),
     "src/orthodrive/model/photo.hpp": '#include "orthodrive/core/error.hpp"\n#include "roadquery/road_map.hpp"\n',
-    "src/orthodrive/io/CMakeLists.txt": "orthodrive_library(io DEPS model LIBS GDAL::GDAL)\n",
+    "src/orthodrive/io/CMakeLists.txt": "orthodrive_library(io FOLDERS support\n  DEPS model LIBS GDAL::GDAL)\n",
     "src/orthodrive/io/read_photo.hpp": '#include "orthodrive/model/photo.hpp"\n',
-    "src/orthodrive/io/gdal_support.hpp": "#include <gdal_priv.h>\n",
+    "src/orthodrive/io/support/gdal_support.hpp": "#include <gdal_priv.h>\n",
     "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model)\n",
     "src/orthodrive/refine/refine_roads.hpp": '#include "orthodrive/model/photo.hpp"\n',
     "src/orthodrive/refine/refine_roads.cpp": (
@@ -30,12 +30,16 @@ GOOD = {
     ),
     "src/orthodrive/network/CMakeLists.txt": "orthodrive_library(network DEPS model)\n",
     "src/orthodrive/network/build_network.hpp": '#include "orthodrive/core/error.hpp"\n',
-    "src/orthodrive/pipeline/CMakeLists.txt": "orthodrive_library(pipeline DEPS io refine network)\n",
-    "src/orthodrive/pipeline/run_refine.cpp": (
+    "src/orthodrive/pipeline/CMakeLists.txt": (
+        "orthodrive_library(pipeline COLD FOLDERS files stages\n  DEPS io refine network)\n"
+    ),
+    "src/orthodrive/pipeline/stages/run_refine.cpp": (
         '#include "orthodrive/io/read_photo.hpp"\n#include "orthodrive/refine/refine_roads.hpp"\n#include <fstream>\n'
     ),
-    "src/orthodrive/pipeline/run_refine.hpp": "\n",
-    "app/main.cpp": '#include "orthodrive/pipeline/run_refine.hpp"\n',
+    "src/orthodrive/pipeline/stages/run_refine.hpp": '#include "orthodrive/pipeline/files/toml_section.hpp"\n',
+    "src/orthodrive/pipeline/files/toml_section.hpp": "\n",
+    "src/orthodrive/pipeline/runs.hpp": '#include "orthodrive/pipeline/stages/run_refine.hpp"\n',
+    "app/main.cpp": '#include "orthodrive/pipeline/stages/run_refine.hpp"\n',
 }
 
 
@@ -138,6 +142,21 @@ class Includes(unittest.TestCase):
 
     def test_a_file_that_is_not_there(self):
         self.expect("src/orthodrive/refine/odd.cpp", '#include "orthodrive/refine/gone.hpp"\n', "gone.hpp")
+
+    def test_an_arrow_upwards_inside_a_room(self):
+        self.expect(
+            "src/orthodrive/pipeline/files/output_lock.hpp",
+            '#include "orthodrive/pipeline/stages/run_refine.hpp"\n',
+            "files comes before stages",
+        )
+        self.expect(
+            "src/orthodrive/pipeline/stages/run_refine.cpp",
+            '#include "orthodrive/pipeline/runs.hpp"\n',
+            "stages comes before pipeline itself",
+        )
+
+    def test_a_folder_of_a_room_that_is_not_listed(self):
+        self.expect("src/orthodrive/pipeline/more/part.hpp", "\n", "FOLDERS and the folder more do not agree")
 
     def test_a_folder_without_a_target(self):
         self.expect("src/orthodrive/attic/odd.cpp", "\n", "no target attic")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/alignment_io.hpp"
+#include "orthodrive/io/models/alignment_io.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/area_reader.hpp"
+#include "orthodrive/io/osm/area_reader.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/caffe_model.hpp"
+#include "orthodrive/io/models/caffe_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "caffe_net.pb.h"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/safetensors.hpp"
+#include "orthodrive/io/models/safetensors.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines against areas small enough to draw.
 
-#include "orthodrive/io/clip_line.hpp"
+#include "orthodrive/io/support/clip_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

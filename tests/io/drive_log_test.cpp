@@ -12,8 +12,8 @@
 #include "io/places.hpp"
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/drive_log_io.hpp"
-#include "orthodrive/io/npy_reader.hpp"
+#include "orthodrive/io/opendrive/drive_log_io.hpp"
+#include "orthodrive/io/support/npy_reader.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
 #include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"

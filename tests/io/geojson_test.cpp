@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/road_graph_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
+#include "orthodrive/io/vector/road_graph_io.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 

@@ -8,7 +8,7 @@
 #include "io/places.hpp"
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/gpx_reader.hpp"
+#include "orthodrive/io/vector/gpx_reader.hpp"
 
 namespace orthodrive {
 namespace {

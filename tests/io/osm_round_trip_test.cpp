@@ -7,8 +7,8 @@
 #include "io/places.hpp"
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/osm_reader.hpp"
-#include "orthodrive/io/osm_writer.hpp"
+#include "orthodrive/io/osm/osm_reader.hpp"
+#include "orthodrive/io/osm/osm_writer.hpp"
 
 namespace orthodrive {
 namespace {

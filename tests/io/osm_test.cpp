@@ -8,8 +8,8 @@
 #include <osmium/io/pbf_output.hpp>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/osm_tags.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/osm/osm_tags.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"

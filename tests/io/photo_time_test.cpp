@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/photo_time.hpp"
+#include "orthodrive/io/raster/photo_time.hpp"
 
 #include <gtest/gtest.h>
 

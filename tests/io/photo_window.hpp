@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "orthodrive/model/photo_source.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
 
 namespace orthodrive {
 

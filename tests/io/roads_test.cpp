@@ -13,8 +13,8 @@
 
 #include "cpu_seconds.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/ogr_support.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/ogr_support.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"

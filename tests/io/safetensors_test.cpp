@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/safetensors.hpp"
+#include "orthodrive/io/models/safetensors.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
 #include "photo_window.hpp"
 #include "places.hpp"
 #include "scratch.hpp"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Barriers, water, railways and lamps out of OSM and GeoJSON.
 
-#include "orthodrive/io/surroundings_reader.hpp"
+#include "orthodrive/io/vector/surroundings_reader.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 

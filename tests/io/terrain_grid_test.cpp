@@ -8,10 +8,10 @@
 #include <cmath>
 #include <limits>
 
-#include "orthodrive/io/gdal_support.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/terrain_grid_io.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/raster/terrain_grid_io.hpp"
+#include "orthodrive/io/support/gdal_support.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 

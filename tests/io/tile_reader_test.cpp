@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiles come back as they were written, and broken ones give one line.
-#include "orthodrive/io/tile_reader.hpp"
+#include "orthodrive/io/tiles/tile_reader.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 #include "orthodrive/core/memory.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/crs.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/scene_io.hpp"
-#include "orthodrive/io/tileset_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/tiles/scene_io.hpp"
+#include "orthodrive/io/tiles/tileset_io.hpp"
 #include "scratch.hpp"
 
 namespace orthodrive {

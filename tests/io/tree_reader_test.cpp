@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trees out of OSM and GeoJSON.
 
-#include "orthodrive/io/tree_reader.hpp"
+#include "orthodrive/io/vector/tree_reader.hpp"
 
 #include <gtest/gtest.h>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 

@@ -93,10 +93,10 @@ class Measure(unittest.TestCase):
             self.assertIn(line, page)
         self.assertRegex(page, r"\| set 1, 1 x 20: IoU % \| 80.09 \| 12.3[45] / ")
         self.assertIn("| set 2, 2 x 20: IoU % | 66.38 | not measured |", page)
-        (self.root / "src/orthodrive/scene/build_scene.hpp").write_text("constexpr double tile_m = 480.0;\n")
+        (self.root / "src/orthodrive/scene/plan/tile_address.hpp").write_text("constexpr double tile_m = 480.0;\n")
         run = subprocess.run([self.root / "tools/measure", "reference"], capture_output=True, text=True, check=False)
         self.assertEqual(run.returncode, 1)
-        self.assertIn("build_scene.hpp: 0 places of scene_tile_m", run.stderr)
+        self.assertIn("tile_address.hpp: 0 places of scene_tile_m", run.stderr)
 
     def test_a_page_without_marks_is_refused(self):
         (self.root / "docs/measured/network.md").write_text("no marks\n")

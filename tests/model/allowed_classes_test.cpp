@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,9 +25,9 @@ TEST(MapRaster, PointsFromEveryPixelToTheNearestLine) {
   EXPECT_EQ(map.at(5, 80, 0), 128);
 }
 
-TEST(RoadMap, IsTheSameThroughEveryWindow) {
-  const RoadMap roads({{{{500010.3, 5499990.1}, {500060.7, 5499950.9}, {500088.0, 5499928.0}}, 2.75},
-                       {{{500020.0, 5499999.0}, {500021.0, 5499921.0}}, 4.0}});
+TEST(MapLines, IsTheSameThroughEveryWindow) {
+  const MapLines roads({{{{500010.3, 5499990.1}, {500060.7, 5499950.9}, {500088.0, 5499928.0}}, 2.75},
+                        {{{500020.0, 5499999.0}, {500021.0, 5499921.0}}, 4.0}});
   const Raster<std::uint8_t> whole = roads.read(frame, {-20, -20, 240, 200});
   for (const PixelBox box : {PixelBox{0, 0, 37, 53}, PixelBox{90, 40, 64, 64}, PixelBox{150, 110, 70, 70}}) {
     const Raster<std::uint8_t> part = roads.read(frame, box);
@@ -39,9 +39,9 @@ TEST(RoadMap, IsTheSameThroughEveryWindow) {
   }
 }
 
-TEST(RoadMap, OfNoRoadsIsEmpty) {
-  EXPECT_TRUE(RoadMap({{{{1.0, 2.0}}, 3.0}}).empty());
-  const Raster<std::uint8_t> map = RoadMap().read(frame, {0, 0, 8, 8});
+TEST(MapLines, OfNoRoadsIsEmpty) {
+  EXPECT_TRUE(MapLines({{{{1.0, 2.0}}, 3.0}}).empty());
+  const Raster<std::uint8_t> map = MapLines().read(frame, {0, 0, 8, 8});
   EXPECT_EQ(map.at(3, 3, 0), 128);
   EXPECT_EQ(map.at(3, 3, 2), 0);
 }

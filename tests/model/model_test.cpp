@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/road_network.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Class of a surface by tags, and what a tyre finds on it.
 
-#include "orthodrive/model/road_material.hpp"
+#include "orthodrive/model/roads/road_material.hpp"
 
 #include <gtest/gtest.h>
 

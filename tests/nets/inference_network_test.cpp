@@ -11,7 +11,7 @@
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "orthodrive/io/safetensors.hpp"
+#include "orthodrive/io/models/safetensors.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 #include "paths.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "network_support.hpp"
-#include "orthodrive/network/chain_line.hpp"
-#include "orthodrive/network/lay_bends.hpp"
+#include "orthodrive/network/line/chain_line.hpp"
+#include "orthodrive/network/line/lay_bends.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dual carriageways of maps without the tag `oneway`.
 
-#include "orthodrive/network/carriageways.hpp"
+#include "orthodrive/network/topology/carriageways.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "network_support.hpp"
 #include "orthodrive/geo/crs.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive::network_test {

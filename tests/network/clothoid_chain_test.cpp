@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chains of clothoids from exact truth: what can be taken out is, and what the limits hold stays.
 
-#include "orthodrive/network/clothoid_chain.hpp"
+#include "orthodrive/network/curves/clothoid_chain.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines of connecting roads.
 
-#include "orthodrive/network/connecting_line.hpp"
+#include "orthodrive/network/line/connecting_line.hpp"
 
 #include <gtest/gtest.h>
 

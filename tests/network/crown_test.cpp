@@ -2,8 +2,8 @@
 // Crowns of nodes as lateral shapes of roads.
 
 #include "network_support.hpp"
-#include "orthodrive/network/crown_shape.hpp"
-#include "orthodrive/network/fit_profile.hpp"
+#include "orthodrive/network/curves/crown_shape.hpp"
+#include "orthodrive/network/curves/fit_profile.hpp"
 #include "roadquery/make_road.hpp"
 
 namespace orthodrive {

@@ -8,10 +8,10 @@
 
 #include "network_support.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/network/cubic_plan.hpp"
-#include "orthodrive/network/fit_plan.hpp"
-#include "orthodrive/network/fit_profile.hpp"
-#include "orthodrive/network/fit_spline.hpp"
+#include "orthodrive/network/curves/cubic_plan.hpp"
+#include "orthodrive/network/curves/fit_plan.hpp"
+#include "orthodrive/network/curves/fit_profile.hpp"
+#include "orthodrive/network/curves/fit_spline.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gores between a main road and a slip road drawn by hand.
 
-#include "orthodrive/network/gores.hpp"
+#include "orthodrive/network/paint/gores.hpp"
 
 #include <gtest/gtest.h>
 

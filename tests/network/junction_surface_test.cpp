@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of junctions from exact truth: planes, slopes, crowns, arms that disagree, and what must hold for all.
 
-#include "orthodrive/network/junction_surface.hpp"
+#include "roadquery/junction_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 #include "network_support.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/io/opendrive_io.hpp"
-#include "orthodrive/network/junction_area.hpp"
-#include "orthodrive/network/junction_field.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "orthodrive/io/opendrive/opendrive_io.hpp"
+#include "orthodrive/network/junctions/fit_junction_surfaces.hpp"
+#include "orthodrive/network/junctions/junction_area.hpp"
+#include "orthodrive/network/junctions/junction_field.hpp"
 #include "roadquery/junction_surface_text.hpp"
 #include "roadquery/make_road.hpp"
 #include "roadquery/road_query.hpp"

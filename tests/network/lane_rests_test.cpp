@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies beside the driving lanes: which strips a carriageway has, and that they fill it along roads and junctions.
 
-#include "orthodrive/network/lane_rests.hpp"
+#include "orthodrive/network/lanes/lane_rests.hpp"
 
 #include "network_support.hpp"
-#include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/lanes/lanes.hpp"
 #include "roadquery/junction_surface.hpp"
 
 namespace orthodrive {

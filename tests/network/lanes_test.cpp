@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lanes, their markings and their tapers; turn lanes, restrictions and roundabouts at junctions.
 
-#include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/lanes/lanes.hpp"
 
 #include "network_support.hpp"
-#include "orthodrive/network/road_cuts.hpp"
-#include "orthodrive/network/roundabouts.hpp"
-#include "orthodrive/network/topology.hpp"
+#include "orthodrive/network/line/road_cuts.hpp"
+#include "orthodrive/network/topology/roundabouts.hpp"
+#include "orthodrive/network/topology/topology.hpp"
 
 namespace orthodrive {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "io/scratch.hpp"
 #include "network/network_support.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
-#include "orthodrive/io/opendrive_io.hpp"
-#include "orthodrive/network/lanes.hpp"
-#include "orthodrive/network/sample_friction.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
+#include "orthodrive/io/opendrive/opendrive_io.hpp"
+#include "orthodrive/network/crg/sample_friction.hpp"
+#include "orthodrive/network/lanes/lanes.hpp"
 #include "roadquery/lane_material.hpp"
 
 namespace orthodrive {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The network as GeoPackage and GeoJSON, read back by OGR.
 
-#include "orthodrive/io/network_layers.hpp"
+#include "orthodrive/io/vector/network_layers.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include "io/scratch.hpp"
 #include "network_support.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "roadquery/lane_type_name.hpp"
 #include "roadquery/make_road.hpp"
 #include "roadquery/road_surface.hpp"

@@ -14,8 +14,8 @@
 #include "opendrive_peers.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/crs.hpp"
-#include "orthodrive/io/opendrive_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/opendrive/opendrive_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kerbs of race tracks drawn by hand, whose curvature is known.
 
-#include "orthodrive/network/race_kerbs.hpp"
+#include "orthodrive/network/paint/race_kerbs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/network/raise_sidewalks.hpp"
+#include "orthodrive/network/paint/raise_sidewalks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Profiles of connecting roads on surfaces of which the heights are known.
 
-#include "orthodrive/network/refit_profile.hpp"
+#include "orthodrive/network/junctions/refit_profile.hpp"
 
 #include <gtest/gtest.h>
 

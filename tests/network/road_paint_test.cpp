@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "network_support.hpp"
-#include "orthodrive/network/crosswalks.hpp"
-#include "orthodrive/network/waiting_lines.hpp"
+#include "orthodrive/network/paint/crosswalks.hpp"
+#include "orthodrive/network/paint/waiting_lines.hpp"
 
 namespace orthodrive {
 namespace {

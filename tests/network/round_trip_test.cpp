@@ -12,8 +12,8 @@
 #include "network_support.hpp"
 #include "opendrive_peers.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/opendrive_io.hpp"
-#include "orthodrive/io/opendrive_junction.hpp"
+#include "orthodrive/io/opendrive/opendrive_io.hpp"
+#include "orthodrive/io/opendrive/opendrive_junction.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/make_road.hpp"
 

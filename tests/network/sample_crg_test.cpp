@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenCRG surfaces of roads against the roads' own surface.
 
-#include "orthodrive/network/sample_crg.hpp"
+#include "orthodrive/network/crg/sample_crg.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "roadquery/make_road.hpp"
 #include "roadquery/road_query.hpp"
 #include "roadquery/road_surface.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ways cut into pieces, pieces joined to chains: small networks drawn by hand.
 
-#include "orthodrive/network/topology.hpp"
+#include "orthodrive/network/topology/topology.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "app/run_tool.hpp"
 #include "orthodrive/geo/crs.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The catalogue that comes with the tool, and site files made of it. Nothing here asks a server.
 
-#include "orthodrive/pipeline/catalogue.hpp"
+#include "orthodrive/pipeline/sources/catalogue.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,8 +12,8 @@
 
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/new_site.hpp"
-#include "orthodrive/pipeline/site.hpp"
+#include "orthodrive/pipeline/sources/new_site.hpp"
+#include "orthodrive/pipeline/sources/site.hpp"
 #include "paths.hpp"
 
 namespace orthodrive {

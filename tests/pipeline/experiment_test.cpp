@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/experiment.hpp"
+#include "orthodrive/pipeline/training/experiment.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

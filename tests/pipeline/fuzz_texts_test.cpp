@@ -9,14 +9,14 @@
 #include <numbers>
 
 #include "fuzz/expect_survives.hpp"
-#include "orthodrive/io/area_reader.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/model/class_table_json.hpp"
+#include "orthodrive/io/osm/area_reader.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/model/rasters/class_table_json.hpp"
 #include "orthodrive/model/site_area.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
-#include "orthodrive/pipeline/experiment.hpp"
-#include "orthodrive/pipeline/network_spec.hpp"
-#include "orthodrive/pipeline/site.hpp"
+#include "orthodrive/pipeline/files/network_spec.hpp"
+#include "orthodrive/pipeline/sources/site.hpp"
+#include "orthodrive/pipeline/training/experiment.hpp"
 #include "orthodrive/synth/track_table.hpp"
 
 namespace orthodrive::fuzz {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/map_labels.hpp"
+#include "orthodrive/pipeline/sources/map_labels.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 
 namespace orthodrive {
 namespace {

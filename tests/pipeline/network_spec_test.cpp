@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/network_spec.hpp"
+#include "orthodrive/pipeline/files/network_spec.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

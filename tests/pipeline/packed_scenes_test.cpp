@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/packed_scenes.hpp"
+#include "orthodrive/pipeline/training/packed_scenes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "io/temporary_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/safetensors_stream.hpp"
+#include "orthodrive/io/models/safetensors_stream.hpp"
 
 namespace orthodrive {
 namespace {

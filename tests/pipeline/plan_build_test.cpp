@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates of a build: what they grow with, and how the speed of the machine counts.
-#include "orthodrive/pipeline/plan_build.hpp"
+#include "orthodrive/pipeline/build/plan_build.hpp"
 
 #include <gtest/gtest.h>
 

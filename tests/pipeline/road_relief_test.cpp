@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Roughness that a drive measured, in the OpenCRG files of the network.
 
-#include "orthodrive/pipeline/road_relief.hpp"
+#include "orthodrive/pipeline/stages/road_relief.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 
 #include "app/run_tool.hpp"
 #include "io/scratch.hpp"
-#include "orthodrive/io/opencrg_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/opendrive/opencrg_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
 #include "roadquery/road_crgs.hpp"
 #include "roadquery/road_query.hpp"
 #include "roadquery/road_surface.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/score_json.hpp"
+#include "orthodrive/pipeline/score/score_json.hpp"
 
 #include <gtest/gtest.h>
 
 #include "evaluate/road_lines.hpp"
-#include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/roads/evaluate_roads.hpp"
 
 namespace orthodrive {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/pipeline/site.hpp"
+#include "orthodrive/pipeline/sources/site.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

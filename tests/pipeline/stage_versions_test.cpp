@@ -12,13 +12,13 @@
 
 #include "app/run_tool.hpp"
 #include "orthodrive/core/hash.hpp"
-#include "orthodrive/io/alignment_io.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/pipeline/run_drive.hpp"
-#include "orthodrive/pipeline/run_elevate.hpp"
-#include "orthodrive/pipeline/run_network.hpp"
-#include "orthodrive/pipeline/run_refine.hpp"
-#include "orthodrive/pipeline/run_scene.hpp"
+#include "orthodrive/io/models/alignment_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/pipeline/stages/run_drive.hpp"
+#include "orthodrive/pipeline/stages/run_elevate.hpp"
+#include "orthodrive/pipeline/stages/run_network.hpp"
+#include "orthodrive/pipeline/stages/run_refine.hpp"
+#include "orthodrive/pipeline/stages/run_scene.hpp"
 
 extern "C" const char* GDALVersionInfo(const char*);  // io links GDAL and keeps its headers to itself
 

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/weights_io.hpp"
-#include "orthodrive/pipeline/network_spec.hpp"
+#include "orthodrive/io/support/read_file.hpp"
+#include "orthodrive/pipeline/files/network_spec.hpp"
 #include "orthodrive/synth/make_site.hpp"
 #include "paths.hpp"
 

@@ -9,11 +9,11 @@
 
 #include "app/run_tool.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/osm_writer.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
-#include "orthodrive/pipeline/refine_files.hpp"
-#include "orthodrive/pipeline/tune_refine.hpp"
+#include "orthodrive/io/osm/osm_writer.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
+#include "orthodrive/pipeline/files/refine_files.hpp"
+#include "orthodrive/pipeline/training/tune_refine.hpp"
 #include "refine/road_scene.hpp"
 
 namespace orthodrive {

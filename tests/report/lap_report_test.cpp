@@ -11,7 +11,7 @@
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 #include "orthodrive/geo/crs.hpp"
 #include "orthodrive/report/lap_exchange.hpp"
 #include "orthodrive/report/lap_table.hpp"

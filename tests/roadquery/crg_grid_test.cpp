@@ -126,7 +126,7 @@ TEST_F(AsamGrid, every_file_is_read_and_gives_its_own_values) {
 
 TEST_F(AsamGrid, banked_and_sloped_are_what_their_channels_say) {
   const CrgGrid banked = grid("handmade_banked.crg"), sloped = grid("handmade_sloped.crg");
-  // Both files have the same grid; banking 0.011 a row up to row 11, the slope of a row that of the step to it.
+  // Both files have the same grid; banking 0.011 per row up to row 11, the slope of a row that of the step to it.
   for (const double v : {-1.4, -0.3, 0.8}) {
     const double flat = banked.evaluate(4.0, v, CrgPart::grid).z_m;
     EXPECT_NEAR(banked.evaluate(4.0, v, CrgPart::whole).z_m, flat + 0.033 * v, 1e-12) << v;

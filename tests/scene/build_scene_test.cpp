@@ -6,7 +6,7 @@
 #include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/scene/archived_tiles.hpp"
+#include "orthodrive/scene/buildings/archived_tiles.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {

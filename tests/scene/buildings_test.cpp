@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buildings on small sites: where they stand, how high, and that nothing overlaps.
 
-#include "orthodrive/scene/buildings.hpp"
+#include "orthodrive/scene/buildings/buildings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/scene/building_blocks.hpp"
-#include "orthodrive/scene/building_mesh.hpp"
-#include "orthodrive/scene/plan_grid.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
-#include "orthodrive/scene/surface_texture.hpp"
+#include "orthodrive/scene/buildings/building_blocks.hpp"
+#include "orthodrive/scene/buildings/building_mesh.hpp"
+#include "orthodrive/scene/look/surface_texture.hpp"
+#include "orthodrive/scene/plan/plan_grid.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "sanitized.hpp"
 #include "scene/scene_site.hpp"
 
@@ -356,7 +356,7 @@ TEST(BuildingParts, stand_for_their_outline) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_DOUBLE_EQ(layout->buildings[i].foot_z_m, low[i]);
     EXPECT_DOUBLE_EQ(layout->buildings[i].eaves_z_m, high[i]);
-    EXPECT_EQ(layout->buildings[i].wall_color, (scene::LinearColor{0.1F, 0.2F, 0.3F})) << "the outline's";
+    EXPECT_EQ(layout->buildings[i].wall_color, (LinearColor{0.1F, 0.2F, 0.3F})) << "the outline's";
     EXPECT_NEAR(area_m2(layout->buildings[i].footprint), (std::array{600.0, 200.0, 100.0}[i]), 1e-9)
         << "one over the other";
   }
@@ -510,9 +510,9 @@ TEST(Buildings, have_the_colours_of_the_map) {
   input.buildings = buildings;
   const auto layout = lay_out_scene(input);
   ASSERT_EQ(layout->buildings.size(), 2U);
-  EXPECT_EQ(layout->buildings[0].wall_color, (scene::LinearColor{0.1F, 0.2F, 0.3F}));
+  EXPECT_EQ(layout->buildings[0].wall_color, (LinearColor{0.1F, 0.2F, 0.3F}));
   EXPECT_NEAR(layout->buildings[0].roof_color[0], 0.1022F, 1e-3F) << "the photo's";
-  EXPECT_EQ(layout->buildings[1].roof_color, (scene::LinearColor{0.3F, 0.2F, 0.1F}));
+  EXPECT_EQ(layout->buildings[1].roof_color, (LinearColor{0.3F, 0.2F, 0.1F}));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/coarse_tile.hpp"
+#include "orthodrive/scene/tiles/coarse_tile.hpp"
 
 #include <cmath>
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/drape.hpp"
+#include "orthodrive/scene/plan/drape.hpp"
 
 #include <gtest/gtest.h>
 

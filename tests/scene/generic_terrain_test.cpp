@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/generic_terrain.hpp"
+#include "orthodrive/scene/ground/generic_terrain.hpp"
 
 #include <algorithm>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/sample_height.hpp"
-#include "orthodrive/scene/generic_ground.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
+#include "orthodrive/scene/ground/generic_ground.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {

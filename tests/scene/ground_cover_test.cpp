@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Car parks, paths and gravel on small sites: beside roads and buildings, areas and bays whose number is known.
 
-#include "orthodrive/scene/ground_cover.hpp"
+#include "orthodrive/scene/plants/ground_cover.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene/scene_site.hpp"
 
 namespace orthodrive {

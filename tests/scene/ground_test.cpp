@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/ground.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "orthodrive/scene/ground/ground_surface.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/kerbs.hpp"
+#include "orthodrive/scene/roads/kerbs.hpp"
 
 #include <gtest/gtest.h>
 

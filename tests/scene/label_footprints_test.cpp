@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Footprints with right angles out of labels that were painted from known ones.
 
-#include "orthodrive/scene/label_footprints.hpp"
+#include "orthodrive/scene/buildings/label_footprints.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hedges, walls, railways, lamps and water on small sites: where they stand, and that nothing stands on a road.
 
-#include "orthodrive/scene/line_objects.hpp"
+#include "orthodrive/scene/objects/line_objects.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/scene/coarse_tile.hpp"
-#include "orthodrive/scene/plan_grid.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/plan/plan_grid.hpp"
+#include "orthodrive/scene/tiles/coarse_tile.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Signs, traffic lights, furniture, towers and wires: where they stand and look, and that none stands on a road.
 
-#include "orthodrive/scene/map_objects.hpp"
+#include "orthodrive/scene/objects/map_objects.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/scene/coarse_tile.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tiles/coarse_tile.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {

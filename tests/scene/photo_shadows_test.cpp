@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/photo_shadows.hpp"
+#include "orthodrive/scene/ground/photo_shadows.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/scene/srgb.hpp"
+#include "orthodrive/model/rasters/srgb.hpp"
 
 namespace orthodrive::scene {
 namespace {

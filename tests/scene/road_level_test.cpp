@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/road_level.hpp"
+#include "orthodrive/scene/roads/road_level.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/road_markings.hpp"
+#include "orthodrive/scene/roads/road_markings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/scene/crossing_roads.hpp"
-#include "orthodrive/scene/triangulate.hpp"
+#include "orthodrive/scene/plan/triangulate.hpp"
+#include "orthodrive/scene/roads/crossing_roads.hpp"
 #include "roadquery/road_query.hpp"
 #include "scene_site.hpp"
 
@@ -152,7 +152,8 @@ TEST(RoadMesh, triangles_keep_to_lanes) {
       EXPECT_GE(c[k].y - south_m - 240.0, low - 2e-3) << lane.lane_id;
       EXPECT_LE(c[k].y - south_m - 240.0, high + 2e-3) << lane.lane_id;
     }
-    area_m2[lane.lane_type] += 0.5 * cross({c[1].x - c[0].x, c[1].y - c[0].y}, {c[2].x - c[0].x, c[2].y - c[0].y});
+    area_m2[lane.lane_type] +=
+        0.5 * cross(Vec2{c[1].x - c[0].x, c[1].y - c[0].y}, Vec2{c[2].x - c[0].x, c[2].y - c[0].y});
   }
   EXPECT_NEAR(area_m2["driving"], 300.0 * 6.0, 0.5);
   EXPECT_NEAR(area_m2["sidewalk"], 300.0 * 1.5, 0.5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/road_paint.hpp"
+#include "orthodrive/scene/roads/road_paint.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Roofs over footprints whose roof is known exactly.
 
-#include "orthodrive/scene/roof.hpp"
+#include "orthodrive/scene/buildings/roof.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/scene/plan_grid.hpp"
+#include "orthodrive/scene/plan/plan_grid.hpp"
 
 namespace orthodrive::scene {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/io/scene_io.hpp"
+#include "orthodrive/io/tiles/scene_io.hpp"
 
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/structures.hpp"
+#include "orthodrive/scene/structures/structures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "orthodrive/scene/crossing_roads.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/roads/crossing_roads.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {

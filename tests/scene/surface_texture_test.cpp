@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/surface_texture.hpp"
+#include "orthodrive/scene/look/surface_texture.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "orthodrive/scene/leaf_picture.hpp"
-#include "orthodrive/scene/srgb.hpp"
+#include "orthodrive/model/rasters/srgb.hpp"
+#include "orthodrive/scene/look/leaf_picture.hpp"
 
 namespace orthodrive::scene {
 namespace {

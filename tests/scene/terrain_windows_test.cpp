@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Terrain read in windows: holes are filled the same whichever window shows them.
-#include "orthodrive/scene/terrain_windows.hpp"
+#include "orthodrive/scene/ground/terrain_windows.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 
 namespace orthodrive::scene {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/scene/tile_texture.hpp"
+#include "orthodrive/scene/tiles/tile_texture.hpp"
 
 #include <gtest/gtest.h>
 

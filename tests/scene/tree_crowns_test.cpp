@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Crowns in painted woods.
 
-#include "orthodrive/scene/tree_crowns.hpp"
+#include "orthodrive/scene/plants/tree_crowns.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wood that trees are copies of.
 
-#include "orthodrive/scene/tree_shapes.hpp"
+#include "orthodrive/scene/plants/tree_shapes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trees on small sites: nothing of them over a road, nothing in a building.
 
-#include "orthodrive/scene/trees.hpp"
+#include "orthodrive/scene/plants/trees.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene/scene_site.hpp"
 
 namespace orthodrive {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tunnels and decks: what lies over and beside them, and that their roads go on in those on the ground without a crack.
 
-#include "orthodrive/scene/tunnels.hpp"
+#include "orthodrive/scene/structures/tunnels.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <set>
 
-#include "orthodrive/scene/coarse_tile.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tiles/coarse_tile.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {

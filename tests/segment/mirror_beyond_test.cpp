@@ -7,7 +7,7 @@
 
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 
 namespace orthodrive {
@@ -50,8 +50,8 @@ TEST(MirrorBeyond, a_mirrored_road_lies_where_its_vectors_say) {
   std::vector<RoadLine> mirrored = roads;
   mirrored.push_back({{{-9.25, -100.0}, {-9.25, 100.0}}, 2.0});
   mirrored.push_back({{{-100.0, -7.5}, {100.0, -7.5}}, 3.0});
-  const Raster<std::uint8_t> seen = mirror_map_beyond(RoadMap(roads).read(frame, pixels_of(frame)), box, frame),
-                             truth = RoadMap(mirrored).read(frame, box);
+  const Raster<std::uint8_t> seen = mirror_map_beyond(MapLines(roads).read(frame, pixels_of(frame)), box, frame),
+                             truth = MapLines(mirrored).read(frame, box);
   // Not beyond the northern and the eastern edge: there the mirror crosses the roads themselves.
   for (int row = 20; row < box.height; ++row)
     for (int col = 0; col < 20 + 60; ++col)

@@ -28,7 +28,7 @@ TEST(Mirrored, twice_is_what_was) {
 
 TEST(Mirrored, vectors_of_a_map_point_to_the_mirrored_road) {
   const GridFrame frame{0.0, 60.0, 1.0, 60, 60};
-  const RoadMap west({{{{9.25, -100.0}, {15.5, 100.0}}, 2.0}}), east({{{{50.75, -100.0}, {44.5, 100.0}}, 2.0}});
+  const MapLines west({{{{9.25, -100.0}, {15.5, 100.0}}, 2.0}}), east({{{{50.75, -100.0}, {44.5, 100.0}}, 2.0}});
   const Raster<std::uint8_t> seen = mirrored_map(west.read(frame, pixels_of(frame))),
                              truth = east.read(frame, pixels_of(frame));
   for (std::size_t i = 0; i < seen.data.size(); ++i) ASSERT_NEAR(seen.data[i], truth.data[i], 1) << i;

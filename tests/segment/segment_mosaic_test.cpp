@@ -111,15 +111,15 @@ TEST(SegmentMosaic, what_fails_in_reading_or_writing_ends_the_run_whatever_waits
 }
 
 /// A road along the painted one, three metres off.
-RoadMap map_of_painted_photo() {
+MapLines map_of_painted_photo() {
   RoadLine line{.half_width = 4.0};
   for (int i = 0; i <= 12; ++i) line.points.push_back({500000.0 + 20.0 * i, 6400000.0 - 63.0});
-  return RoadMap({line});
+  return MapLines({line});
 }
 
 TEST(SegmentMosaic, windows_made_elsewhere_are_taken_as_they_would_be_made_here) {
   const Photo photo = painted_photo(300, 200, 0.5);
-  const RoadMap map = map_of_painted_photo();
+  const MapLines map = map_of_painted_photo();
   std::vector<Vec2> places;
   for (int i = 1; i < 70; ++i) places.push_back({500000.0 + 2.0 * i, 6400000.0 - 63.0});
   SegmentOptions options{.window_px = 90, .threads = 2, .map = &map, .places = places};
@@ -394,16 +394,16 @@ TEST(SegmentMosaic, alignments_do_not_depend_on_windows_or_threads) {
   const Photo photo = painted_photo(300, 200, 0.5);
   const SegmentModel model = model_that_sees_the_map();
   const Polyline line{{500000.0, 6399940.0}, {500070.0, 6399930.0}, {500150.0, 6399945.0}};
-  const RoadMap map({{line, 4.0}});
+  const MapLines map({{line, 4.0}});
   std::vector<Vec2> places;
   for (const double s : places_along(length_m(line))) places.push_back(point_at(line, s));
   places.push_back({500300.0, 6399940.0});  // beside the photo
-  const auto run = [&](int window_px, int threads, const RoadMap* seen) {
+  const auto run = [&](int window_px, int threads, const MapLines* seen) {
     return segment_mosaic(source_of(photo), model, [](const PixelBox&, const LabelledPixels&) {},
                           {.window_px = window_px, .threads = threads, .map = seen, .places = places})
         .alignments;
   };
-  const RoadMap elsewhere({{{{500000.0, 6399900.0}, {500150.0, 6399890.0}}, 4.0}});
+  const MapLines elsewhere({{{{500000.0, 6399900.0}, {500150.0, 6399890.0}}, 4.0}});
   const auto one = run(1 << 20, 1, &map), many = run(61, 2, &map), other = run(1 << 20, 1, &elsewhere);
   ASSERT_EQ(one.size(), places.size());
   EXPECT_TRUE(run(1 << 20, 1, nullptr).empty());
@@ -426,8 +426,8 @@ TEST(SegmentMosaic, labels_see_the_map_and_without_one_are_those_of_the_network_
   const SegmentModel model = model_that_sees_the_map();
   SegmentModel plain = model;
   plain.network = model.without_map, plain.sees_map = false;
-  const RoadMap map({{{{500000.0, 6399990.0}, {500150.0, 6399985.0}}, 4.0}}), empty;
-  const auto probabilities = [&](const SegmentModel& of, const RoadMap* seen, int window_px) {
+  const MapLines map({{{{500000.0, 6399990.0}, {500150.0, 6399985.0}}, 4.0}}), empty;
+  const auto probabilities = [&](const SegmentModel& of, const MapLines* seen, int window_px) {
     return segment_mosaic(photo, of, {.window_px = window_px, .map = seen}).road_probability.confidence.data;
   };
   const auto without = probabilities(plain, nullptr, 1 << 20);

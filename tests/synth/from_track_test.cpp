@@ -14,7 +14,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/osm_reader.hpp"
+#include "orthodrive/io/osm/osm_reader.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 #include "orthodrive/synth/terrain.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/synth/noise.hpp"
+#include "orthodrive/core/noise.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_index.hpp"
 #include "orthodrive/synth/plan_presets.hpp"

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/terrain.hpp"
 #include "sanitized.hpp"

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/road_material.hpp"
+#include "orthodrive/model/roads/road_material.hpp"
 #include "orthodrive/synth/make_site.hpp"
 #include "orthodrive/synth/mood.hpp"
 #include "orthodrive/synth/plan_presets.hpp"

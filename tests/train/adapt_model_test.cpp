@@ -9,7 +9,7 @@
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/io/safetensors.hpp"
+#include "orthodrive/io/models/safetensors.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
@@ -84,7 +84,7 @@ AdaptOptions small_options() {
   return {.cell_px = 96, .most_cells = 25, .steps = 60, .batch = 2, .learning_rate = 3e-3, .threads = 2};
 }
 
-double true_road_iou(const Photo& photo, const TensorFile& model, const RoadMap* map = nullptr) {
+double true_road_iou(const Photo& photo, const TensorFile& model, const MapLines* map = nullptr) {
   const SegmentResult result = segment_mosaic(photo, load_model(model, "model"), {.threads = 2, .map = map});
   double both = 0, either = 0;
   for (int row = 0; row < town_px; ++row)
@@ -142,7 +142,7 @@ TEST(AdaptModel, is_dropped_where_the_map_lies_wrong) {
 // What is used sees the map: that is what learns and what is judged.
 TEST(AdaptModel, learns_beside_a_map_without_copying_it) {
   const Photo photo = strange_town();
-  const RoadMap map(streets_of_town(photo, 2.0, -2.0));
+  const MapLines map(streets_of_town(photo, 2.0, -2.0));
   const AdaptedModel adapted =
       adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 2.0, -2.0), map, small_options());
   EXPECT_TRUE(adapted.report.kept) << adapted.report.why_not;
@@ -158,7 +158,7 @@ TEST(AdaptModel, is_dropped_where_only_the_map_that_it_sees_agrees_with_the_map)
   const Photo photo = strange_town();
   const AdaptedModel adapted =
       adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 57.0, 38.0),
-                  RoadMap(streets_of_town(photo, 57.0, 38.0)), small_options());
+                  MapLines(streets_of_town(photo, 57.0, 38.0)), small_options());
   EXPECT_FALSE(adapted.report.kept) << adapted.report.alone.kappa;
 }
 

@@ -110,7 +110,7 @@ TEST(Compress, luminance_of_the_best_quality_is_exact_to_rounding) {
   RgbRaster grey = noisy_photo(32, 32);
   for (std::size_t i = 0; i < grey.data.size(); ++i) grey.data[i] = grey.data[i - i % 3];
   RgbRaster photo = grey;
-  compress(photo, 100);  // steps of 1 in frequencies: errors of at most 1/2 each, orthonormal, so about 0.3 a pixel
+  compress(photo, 100);  // steps of 1 in frequencies: errors of at most 1/2 each, orthonormal, so about 0.3 per pixel
   EXPECT_LT(mean_difference(photo, grey), 0.6);
 }
 

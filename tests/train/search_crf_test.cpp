@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
 
 namespace orthodrive {
 namespace {

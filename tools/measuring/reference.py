@@ -350,13 +350,13 @@ def real_time():
 
 
 def meshes():
-    file = "src/orthodrive/scene/build_scene.hpp"
+    options, address = (f"src/orthodrive/scene/plan/{name}.hpp" for name in ("scene_input", "tile_address"))
     sizes = [
-        ("side of a tile, m", "480", r"scene_tile_m = ([\d.]+);"),
-        ("side of its texture, px", "2048", r"max_texture_px = (\d+);"),
-        ("raster of the terrain, m", "10", r"terrain_step_m = ([\d.]+);"),
+        ("side of a tile, m", "480", address, r"scene_tile_m = ([\d.]+);"),
+        ("side of its texture, px", "2048", options, r"max_texture_px = (\d+);"),
+        ("raster of the terrain, m", "10", options, r"terrain_step_m = ([\d.]+);"),
     ]
-    return table("`scene/build_scene`", [(name, value, in_code(file, pattern)) for name, value, pattern in sizes])
+    return table("`scene/plan`", [(name, value, in_code(file, pattern)) for name, value, file, pattern in sizes])
 
 
 def scene_times():

@@ -72,12 +72,15 @@ def make(tool):
 
 def train(tool, trunks):
     for trunk in trunks or ["googlenet", "vgg16"]:
-        folder = OUT / trunk
-        more = ["--resume"] if (folder / "checkpoint.safetensors").exists() else []
-        experiment = ROOT / f"models/experiments/reference_38_{trunk}.toml"
-        subprocess.run(
-            [str(tool.file), "train", str(experiment), "-o", str(folder), "--threads", "2", *more], check=True
-        )
+        for name in (f"{trunk}-start", trunk):
+            experiment = ROOT / f"models/experiments/reference_38_{name.replace('-', '_')}.toml"
+            if experiment.exists():
+                train_one(tool, experiment, OUT / name)
+
+
+def train_one(tool, experiment, folder):
+    more = ["--resume"] if (folder / "checkpoint.safetensors").exists() else []
+    subprocess.run([str(tool.file), "train", str(experiment), "-o", str(folder), "--threads", "2", *more], check=True)
 
 
 def score(tool, model, site, crf):

@@ -26,7 +26,7 @@ def add_arguments(parser):
 
 
 def numbers(*words):
-    """Name -> value of what a program prints one a line."""
+    """Name -> value of what a program prints one per line."""
     out = subprocess.run([str(w) for w in words], check=True, stdout=subprocess.PIPE, text=True).stdout
     return {line.split()[0]: float(line.split()[1]) for line in out.splitlines()}
 

@@ -158,8 +158,8 @@ def planned(numbers):
 
 
 def fit(numbers):
-    """Costs for pipeline/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least sum of
-    squared relative errors.
+    """Costs for pipeline/build/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least
+    sum of squared relative errors.
     """
     from scipy.optimize import nnls  # noqa: PLC0415 (Debian's python3-scipy; only --fit asks)
 

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 
 namespace orthodrive::baselines {
 

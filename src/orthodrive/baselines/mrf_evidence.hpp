@@ -13,7 +13,7 @@
 #include "orthodrive/geo/crs.hpp"
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/model/photo_source.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
 
 namespace orthodrive {
 

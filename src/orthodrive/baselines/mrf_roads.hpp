@@ -10,7 +10,7 @@
 #include "orthodrive/baselines/mrf_model.hpp"
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/roads/road_chains.hpp"
 
 namespace orthodrive {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "orthodrive/geo/segment.hpp"
 #include "orthodrive/geo/simplify.hpp"
 
 namespace orthodrive::baselines {

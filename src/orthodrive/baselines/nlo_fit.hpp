@@ -8,7 +8,7 @@
 
 #include "orthodrive/baselines/label_strips.hpp"
 #include "orthodrive/baselines/nlo_roads.hpp"
-#include "orthodrive/model/solve_summary.hpp"
+#include "orthodrive/model/roads/solve_summary.hpp"
 
 namespace orthodrive::baselines {
 
@@ -28,7 +28,7 @@ struct NloPath {
 [[nodiscard]] NloPath resample_for_nlo(const RoadPath& path, double spacing_m);
 
 struct NloFit {
-  std::vector<double> offset_m, width_m;  ///< one a node
+  std::vector<double> offset_m, width_m;  ///< one per node
   SolveSummary solve;
   bool outside_labels = false;  ///< nothing to see along the whole path: the input as it is
   bool failed = false;          ///< the solver could not go on; the values are those before

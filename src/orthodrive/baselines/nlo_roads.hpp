@@ -28,8 +28,8 @@
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/refined_roads.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/refined_roads.hpp"
 
 namespace orthodrive {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "orthodrive/math/robust_fit.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

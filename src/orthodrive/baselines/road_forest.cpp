@@ -175,7 +175,7 @@ void check(std::span<const RoadForestSample> samples, const RoadForestOptions& o
   }
 }
 
-/// Shares of the votes for class 1, one a row.
+/// Shares of the votes for class 1, one per row.
 std::vector<std::uint8_t> predict(const cv::ml::RTrees& trees, const cv::Mat& rows) {
   cv::Mat votes;
   trees.getVotes(rows, votes, 0);  // first row: the classes

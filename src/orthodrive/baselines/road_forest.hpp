@@ -14,9 +14,9 @@
 #include "orthodrive/baselines/superpixels.hpp"
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/model/class_table.hpp"
-#include "orthodrive/model/photo_source.hpp"
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 
 namespace orthodrive {
 

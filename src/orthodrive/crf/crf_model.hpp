@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "orthodrive/crf/dense_crf.hpp"
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 
 namespace orthodrive {
 

@@ -22,7 +22,7 @@ namespace orthodrive {
 /// Widths (standard deviations) of the two Gaussians. The defaults are those of the reference's grid search.
 struct CrfWidths {
   double theta_alpha_px = 13.5;  ///< appearance, in the plane
-  double theta_beta = 11.0;      ///< appearance, in colour (0-255 a channel)
+  double theta_beta = 11.0;      ///< appearance, in colour (0-255 per channel)
   double theta_gamma_px = 1.75;  ///< smoothness
 };
 
@@ -30,8 +30,8 @@ struct CrfWidths {
 struct CrfParameters {
   int classes = 0;                       ///< 1 to max_crf_classes
   int iterations = 10;                   ///< 0: the marginals are the softmax of -unary
-  std::vector<float> appearance_weight;  ///< w1, one a class
-  std::vector<float> smoothness_weight;  ///< w2, one a class
+  std::vector<float> appearance_weight;  ///< w1, one per class
+  std::vector<float> smoothness_weight;  ///< w2, one per class
   std::vector<float>
       compatibility;  ///< classes x classes: the cost of row's class at a pixel for a message of column's
   /// classes x classes, M of psi_u(x) = sum_k M[k][x] log p(k) (thesis eq. 2.19: predicted class by row, assigned by

@@ -211,7 +211,7 @@ template <int D>
 PermutohedralLattice<D>::PermutohedralLattice(std::size_t points, const Range& range, const FeatureSource& source)
     : points_(points) {
   const KeyLayout<D> layout = make_layout<D>(range);
-  VertexTable table(points / 2);  // a natural photo at the usual widths has up to 0.4 a pixel
+  VertexTable table(points / 2);  // a natural photo at the usual widths has up to 0.4 per pixel
   Embedding<D> e{};
   std::uint64_t keys[block][D + 1];
   for (std::size_t first = 0; first < points; first += block) {

@@ -6,7 +6,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/drive/route_cover.hpp"
+#include "orthodrive/drive/routes/route_cover.hpp"
 #include "roadquery/road_query.hpp"
 
 namespace orthodrive {
@@ -74,7 +74,7 @@ AllRoadsResult drive_all_roads(const roadquery::RoadMap& map, const DriveOptions
   const roadquery::RoadQuery query(map);
   const EnvelopeTable envelope(options.car);
   DriveOptions each = options;
-  each.racing = false, each.laps = 1, each.keep_samples = false;
+  each.style = DrivingStyle::road, each.laps = 1, each.keep_samples = false;
   std::vector<std::vector<DriveResult>> drives(routes.size());
   parallel_for(
       routes.size(), threads, [&](std::size_t i) { drives[i] = drive_parts(query, routes[i], each, envelope); },

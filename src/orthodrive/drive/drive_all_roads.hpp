@@ -2,7 +2,7 @@
 #pragma once
 // Drives every road of a network once: what a car would stumble over is found before it does.
 
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 
 namespace orthodrive {
 

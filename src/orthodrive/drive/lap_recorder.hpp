@@ -2,13 +2,13 @@
 #pragma once
 // What a drive leaves behind: samples, extremes, findings.
 
-#include "orthodrive/drive/driver_model.hpp"
-#include "orthodrive/drive/monitored_road.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/car/driver_model.hpp"
+#include "orthodrive/drive/car/monitored_road.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 
 namespace orthodrive {
 
-/// Findings of one kind, one a place: what follows within a few metres belongs to the one before.
+/// Findings of one kind, one per place: what follows within a few metres belongs to the one before.
 class SpacedFindings {
  public:
   explicit SpacedFindings(Findings& findings) : findings_(findings) {}

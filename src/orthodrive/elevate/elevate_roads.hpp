@@ -7,10 +7,10 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/elevate/estimate_banking.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
-#include "orthodrive/elevate/fuse_drive_logs.hpp"
-#include "orthodrive/model/drive_log.hpp"
+#include "orthodrive/elevate/banking/estimate_banking.hpp"
+#include "orthodrive/elevate/logs/fuse_drive_logs.hpp"
+#include "orthodrive/elevate/profiles/estimate_profiles.hpp"
+#include "orthodrive/model/roads/drive_log.hpp"
 
 namespace orthodrive {
 

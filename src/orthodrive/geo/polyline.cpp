@@ -5,6 +5,8 @@
 #include <cassert>
 #include <limits>
 
+#include "orthodrive/geo/segment.hpp"
+
 namespace orthodrive {
 
 double length_m(std::span<const Vec2> line) {
@@ -59,8 +61,7 @@ LineProjection project_onto(std::span<const Vec2> line, Vec2 p) {
   double s = 0.0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const Vec2 d = line[i + 1] - line[i];
-    const double n2 = dot(d, d), n = std::sqrt(n2);
-    const double t = n2 > 0.0 ? std::clamp(dot(p - line[i], d) / n2, 0.0, 1.0) : 0.0;
+    const double n = std::sqrt(dot(d, d)), t = share_along(line[i], line[i + 1], p);
     const Vec2 q = line[i] + d * t;
     const double dist = distance(p, q);
     if (dist < best.distance_m) best = {s + t * n, n > 0.0 ? cross(d, p - line[i]) / n : 0.0, dist, i, q};

@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-namespace orthodrive {
+#include "orthodrive/geo/segment.hpp"
 
-Vec2 nearest_on_segment(Vec2 a, Vec2 b, Vec2 p) {
-  const double squared = dot(b - a, b - a);
-  return squared > 0.0 ? a + (b - a) * std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : a;
-}
+namespace orthodrive {
 
 std::vector<bool> simplify(std::span<const Vec2> line, double tolerance_m) {
   std::vector<bool> stays(line.size(), false);

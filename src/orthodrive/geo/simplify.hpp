@@ -9,8 +9,6 @@
 
 namespace orthodrive {
 
-/// The point of the segment from a to b that is nearest to p.
-[[nodiscard]] Vec2 nearest_on_segment(Vec2 a, Vec2 b, Vec2 p);
 /// Douglas and Peucker (1973): which points stay. No dropped point is farther than the tolerance from the line left.
 /// Ends stay.
 [[nodiscard]] std::vector<bool> simplify(std::span<const Vec2> line, double tolerance_m);

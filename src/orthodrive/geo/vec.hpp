@@ -36,6 +36,10 @@ struct Vec3 {
   friend constexpr bool operator==(Vec3, Vec3) = default;
 };
 
+[[nodiscard]] constexpr Vec3 cross(Vec3 a, Vec3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
 struct Box2 {
   double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;
   [[nodiscard]] double width() const { return max_x - min_x; }

@@ -18,7 +18,7 @@ struct SymmetricMatrix {
   [[nodiscard]] static SymmetricMatrix dense(double* rows, std::size_t size, std::size_t stride) {
     return {rows, size, size - 1, stride};
   }
-  /// Of size * (band + 1) numbers: band + 1 a row, the diagonal last.
+  /// Of size * (band + 1) numbers: band + 1 per row, the diagonal last.
   [[nodiscard]] static SymmetricMatrix banded(std::vector<double>& rows, std::size_t band) {
     return {rows.empty() ? nullptr : rows.data() + band, rows.size() / (band + 1), band, band};
   }

@@ -31,8 +31,9 @@ class InverseNormal {
 /// Diagonal of (J^T J)^-1. Throws Error when J^T J is not positive definite.
 [[nodiscard]] std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian);
 
-/// Variances f (J^T J)^-1 f^T of the linear functions f, one a row of `functions`. The columns of a function must occur
-/// together in some row of the Jacobian (then their covariances lie on the pattern). Throws Error as the diagonal does.
+/// Variances f (J^T J)^-1 f^T of the linear functions f, one per row of `functions`. The columns of a function must
+/// occur together in some row of the Jacobian (then their covariances lie on the pattern). Throws Error as the diagonal
+/// does.
 [[nodiscard]] std::vector<double> normal_variances(const SparseJacobian& jacobian, const SparseJacobian& functions);
 
 /// x of the smallest |J x - right|, by the sparse Cholesky factor of J^T J. Throws Error as the diagonal does.

@@ -7,8 +7,8 @@
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/geo/vec.hpp"
-#include "orthodrive/model/class_table.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 
 namespace orthodrive {
 

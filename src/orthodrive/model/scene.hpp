@@ -11,7 +11,7 @@
 
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/geo/vec.hpp"
-#include "orthodrive/model/class_table.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
 
 namespace orthodrive {
 
@@ -92,9 +92,9 @@ enum class SurfaceMaterial : std::uint8_t {
   water,       ///< low waves
   balconies,   ///< of flats: as facade, with balconies
   cladding,    ///< sheet metal, boards
-  openings,    ///< doors, gates, shop windows: places in scene/facade_picture
+  openings,    ///< doors, gates, shop windows: places in scene/look/facade_picture
   lane,        ///< asphalt that follows a lane, from its left border to its right one
-  leaves,      ///< trees: bark, and clusters of leaves with holes; places in scene/leaf_picture
+  leaves,      ///< trees: bark, and clusters of leaves with holes; places in scene/look/leaf_picture
 };
 constexpr std::size_t surface_material_count = 17;
 /// The name of the glTF material and of its pictures.
@@ -125,7 +125,7 @@ struct TriMesh {
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;
-  std::vector<std::uint32_t> features;  ///< one a vertex, or empty: index into SceneTile::features, or no_feature
+  std::vector<std::uint32_t> features;  ///< one per vertex, or empty: index into SceneTile::features, or no_feature
 };
 constexpr std::uint32_t no_feature = std::numeric_limits<std::uint32_t>::max();
 

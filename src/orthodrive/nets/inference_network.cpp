@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 #include "orthodrive/nets/class_probabilities.hpp"
 
 namespace orthodrive {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 #include "orthodrive/nets/network_graph.hpp"
 
 namespace orthodrive {

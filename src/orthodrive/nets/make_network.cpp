@@ -11,7 +11,7 @@
 #include <map>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 
 namespace orthodrive {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/class_table_json.hpp"
+#include "orthodrive/model/rasters/class_table_json.hpp"
 
 namespace orthodrive {
 

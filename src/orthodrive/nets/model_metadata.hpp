@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "orthodrive/model/class_table.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
 
 namespace orthodrive {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 #include "orthodrive/roads/road_chains.hpp"
 
 namespace orthodrive::refine {
@@ -20,9 +20,9 @@ struct CrossProfiles {
   int cells = 0;                             ///< a row
   std::vector<float> false_positive;         ///< cost of the cell outside the road, row after row
   std::vector<float> false_negative;         ///< cost of the cell inside the road
-  std::vector<EdgeEvidence> chain_evidence;  ///< one a row: how much the chain lets it count
+  std::vector<EdgeEvidence> chain_evidence;  ///< one per row: how much the chain lets it count
   std::vector<EdgeEvidence> evidence;        ///< the same, 0 where no road is near
-  std::vector<bool> road_near;               ///< one a row: the labels show a road somewhere in the row
+  std::vector<bool> road_near;               ///< one per row: the labels show a road somewhere in the row
 
   /// Sets road_near and evidence of a row by its costs.
   void look_again(std::size_t row);

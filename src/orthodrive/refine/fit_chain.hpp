@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "orthodrive/model/solve_summary.hpp"
+#include "orthodrive/model/roads/solve_summary.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/refine/search_offsets.hpp"

@@ -152,7 +152,7 @@ std::optional<double> split_of(std::vector<CornerPixel> pixels, const KerbRadius
   return radius;
 }
 
-double median(std::vector<double> values) {
+double middle_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
@@ -187,7 +187,7 @@ int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels, const KerbRad
     const std::vector<double> radii = radii_of(roads, junction, view, options);
     if (radii.empty()) continue;
     for (const JunctionArm& arm : junction.arms)
-      roads.paths[arm.path].nodes[arm.node].kerb_radius_m = std::max(median(radii), least_m);
+      roads.paths[arm.path].nodes[arm.node].kerb_radius_m = std::max(middle_of(radii), least_m);
     ++measured;
   }
   return measured;

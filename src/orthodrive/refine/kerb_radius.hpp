@@ -2,8 +2,8 @@
 #pragma once
 // Radius of the kerb at corners of junctions, seen in the labels.
 
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "orthodrive/core/median.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 
 namespace orthodrive::refine {
@@ -168,9 +169,7 @@ std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vecto
     const auto [it, fresh] = usual_m.try_emplace(c, 0.0);
     if (fresh) {
       std::vector<double> offsets = shapes[c].offset_m;
-      const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-      std::nth_element(offsets.begin(), middle, offsets.end());
-      it->second = *middle;
+      it->second = median(std::move(offsets));
     }
     return offset_m - it->second;
   };

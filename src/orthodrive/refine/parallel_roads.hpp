@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
 #include "orthodrive/refine/search_offsets.hpp"

@@ -2,8 +2,8 @@
 #pragma once
 // Unpaved roads that no tag tells of, seen in the labels.
 
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

@@ -301,10 +301,10 @@ class Refinement {
   std::vector<std::vector<Neighbour>> neighbours_;
   std::vector<std::vector<Merging>> merging_;
   std::vector<JunctionPlace> junctions_;
-  std::vector<std::vector<ExpectedOffset>> expected_;  // one a node, of the map's shift
+  std::vector<std::vector<ExpectedOffset>> expected_;  // one per node, of the map's shift
   std::vector<std::vector<TracePass>> passes_;
-  std::vector<std::vector<TraceOffset>> traces_;  // one a node, or none
-  std::vector<std::vector<SeenPlace>> seen_;      // one a node, or none
+  std::vector<std::vector<TraceOffset>> traces_;  // one per node, or none
+  std::vector<std::vector<SeenPlace>> seen_;      // one per node, or none
   std::vector<ChainShape> shapes_;
   std::vector<RefinedChain> refined_;
 };

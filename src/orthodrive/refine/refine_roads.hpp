@@ -9,13 +9,13 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/core/shared_loop.hpp"
-#include "orthodrive/model/driving_side.hpp"
-#include "orthodrive/model/gps_traces.hpp"
-#include "orthodrive/model/map_alignment.hpp"
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/refined_roads.hpp"
-#include "orthodrive/model/road_network.hpp"
-#include "orthodrive/model/solve_summary.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/gps_traces.hpp"
+#include "orthodrive/model/roads/parse_driving_side.hpp"
+#include "orthodrive/model/roads/refined_roads.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
+#include "orthodrive/model/roads/solve_summary.hpp"
 
 namespace orthodrive {
 
@@ -55,7 +55,7 @@ struct RefineRoadsOptions {
 };
 
 /// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence
-/// keep the OSM line, unless traces tell another. `alignment`: one a path, or empty: where a network sees the roads.
+/// keep the OSM line, unless traces tell another. `alignment`: one per path, or empty: where a network sees the roads.
 /// Time and memory are linear in the length of the roads.
 [[nodiscard]] RefinedRoads refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
                                         const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,

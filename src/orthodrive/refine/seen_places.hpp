@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where a network that sees the map beside the photo (model/map_alignment.hpp) has the road of a chain's nodes.
+// Where a network that sees the map beside the photo (model/rasters/map_alignment.hpp) has the road of a chain's nodes.
 
 #include <vector>
 
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 #include "orthodrive/roads/road_chains.hpp"
 
 namespace orthodrive::refine {

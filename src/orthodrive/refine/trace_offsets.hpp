@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "orthodrive/model/gps_traces.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/gps_traces.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/refine/parallel_roads.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/refine/trace_offset.hpp"
@@ -40,7 +40,7 @@ struct TracePass {
                                                               int threads);
 
 /// One a node: the robust mean over the recordings that pass. A driver keeps to the side of a two-way road: the middle
-/// is a quarter of the width beside the line driven, where two vehicles can pass each other. `width_m` is one a node;
+/// is a quarter of the width beside the line driven, where two vehicles can pass each other. `width_m` is one per node;
 /// `expected` (empty: 0) tells how far the map is shifted, and with it the borders between parallel roads. Empty where
 /// no trace passes.
 [[nodiscard]] std::vector<TraceOffset> trace_offsets(const RoadChain& chain, const RoadNetwork& osm,

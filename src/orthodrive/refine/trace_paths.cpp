@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "orthodrive/geo/segment.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 
 namespace orthodrive::refine {
@@ -59,12 +60,6 @@ TraceWalk walk_of(const MovingTrace& trace, const RoadEvidence& evidence) {
                         (evidence.outside.at(col, row) > 0 || evidence.inside.at(col, row) > 0));
   }
   return walk;
-}
-
-double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
-  const Vec2 d = b - a;
-  const double f = dot(d, d) > 0.0 ? std::clamp(dot(p - a, d) / dot(d, d), 0.0, 1.0) : 0.0;
-  return distance(a + d * f, p);
 }
 
 /// The roads known so far: those of the map and, one by one, the new ones.

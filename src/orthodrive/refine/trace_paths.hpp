@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/refine/trace_offsets.hpp"
 
 namespace orthodrive::refine {

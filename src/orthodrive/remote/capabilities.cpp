@@ -13,6 +13,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "roadquery/text.hpp"
 
 namespace orthodrive::remote {
 namespace {
@@ -39,22 +40,16 @@ void for_children(const pugi::xml_node& node, std::string_view name, const Visit
     if (local_name(c) == name) visit(c);
 }
 
-std::string trimmed(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return std::string(text);
-}
-
 std::string text_of(const pugi::xml_node& node, std::string_view name) {
-  return trimmed(child(node, name).child_value());
+  return std::string(roadquery::trimmed(child(node, name).child_value()));
 }
 
 std::string attribute(const pugi::xml_node& node, std::string_view name) {
   for (const pugi::xml_attribute& a : node.attributes()) {
     const std::string_view full = a.name();
     const std::size_t colon = full.find(':');
-    if ((colon == std::string_view::npos ? full : full.substr(colon + 1)) == name) return trimmed(a.value());
+    if ((colon == std::string_view::npos ? full : full.substr(colon + 1)) == name)
+      return std::string(roadquery::trimmed(a.value()));
   }
   return {};
 }
@@ -72,7 +67,7 @@ std::int64_t count_of(const std::string& text) {
 
 /// The first words of a document that is something else, for a message.
 std::string glimpse(std::string_view text) {
-  std::string line = printable(trimmed(text.substr(0, 400))).substr(0, 80);
+  std::string line = printable(std::string(roadquery::trimmed(text.substr(0, 400)))).substr(0, 80);
   while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0xC0) == 0x80)
     line.pop_back();  // half a character
   if (!line.empty() && (static_cast<unsigned char>(line.back()) & 0x80)) line.pop_back();
@@ -80,8 +75,7 @@ std::string glimpse(std::string_view text) {
 }
 
 bool looks_like_html(std::string_view xml) {
-  std::string start(xml.substr(0, 500));
-  std::transform(start.begin(), start.end(), start.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string start = roadquery::lowered(xml.substr(0, 500));
   return start.find("<html") != std::string::npos || start.find("<!doctype html") != std::string::npos;
 }
 
@@ -113,8 +107,9 @@ WmtsMatrix matrix_of(const pugi::xml_node& node) {
   const std::string corner = text_of(node, "TopLeftCorner");
   const std::size_t second = corner.find_first_of(" \t\n\r,");
   m.corner[0] = number_of(corner);
-  m.corner[1] =
-      second == std::string::npos ? std::nan("") : number_of(trimmed(std::string_view(corner).substr(second + 1)));
+  m.corner[1] = second == std::string::npos
+                    ? std::nan("")
+                    : number_of(std::string(roadquery::trimmed(std::string_view(corner).substr(second + 1))));
   m.tile_width = static_cast<int>(std::min<std::int64_t>(count_of(text_of(node, "TileWidth")), 1 << 20));
   m.tile_height = static_cast<int>(std::min<std::int64_t>(count_of(text_of(node, "TileHeight")), 1 << 20));
   m.columns = count_of(text_of(node, "MatrixWidth"));
@@ -148,7 +143,8 @@ WmtsLayer layer_of(const pugi::xml_node& node) {
     const bool is_default = attribute(style, "isDefault") == "true";
     layer.styles.insert(is_default ? layer.styles.begin() : layer.styles.end(), text_of(style, "Identifier"));
   });
-  for_children(node, "Format", [&](const pugi::xml_node& f) { layer.formats.push_back(trimmed(f.child_value())); });
+  for_children(node, "Format",
+               [&](const pugi::xml_node& f) { layer.formats.emplace_back(roadquery::trimmed(f.child_value())); });
   for_children(node, "TileMatrixSetLink", [&](const pugi::xml_node& link) {
     const std::string set = text_of(link, "TileMatrixSet");
     layer.matrix_sets.push_back(set);
@@ -191,7 +187,7 @@ void add_wms_layers(const pugi::xml_node& node, const WmsLayer& parent, int leve
   layer.name = text_of(node, "Name");
   for (const char* tag : {"CRS", "SRS"})
     for_children(node, tag, [&](const pugi::xml_node& crs) {
-      const std::string text = trimmed(crs.child_value());  // 1.1.1 may list several in one
+      const std::string text(roadquery::trimmed(crs.child_value()));  // 1.1.1 may list several in one
       for (std::size_t at = 0; at < text.size();) {
         const std::size_t end = std::min(text.find_first_of(" \n\t", at), text.size());
         if (end > at && layer.crs.size() < 10000) layer.crs.push_back(text.substr(at, end - at));
@@ -211,11 +207,6 @@ void add_wms_layers(const pugi::xml_node& node, const WmsLayer& parent, int leve
   }
   if (!layer.name.empty()) into.layers.push_back(layer);
   for_children(node, "Layer", [&](const pugi::xml_node& below) { add_wms_layers(below, layer, level + 1, into); });
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 std::size_t name_distance(const std::string& a, const std::string& b) {
@@ -264,7 +255,8 @@ WmsCapabilities parse_wms_capabilities(std::string_view xml, const std::string& 
   result.version = attribute(root, "version");
   const pugi::xml_node capability = child(root, "Capability"), service = child(root, "Service");
   const pugi::xml_node get_map = child(child(capability, "Request"), "GetMap");
-  for_children(get_map, "Format", [&](const pugi::xml_node& f) { result.formats.push_back(trimmed(f.child_value())); });
+  for_children(get_map, "Format",
+               [&](const pugi::xml_node& f) { result.formats.emplace_back(roadquery::trimmed(f.child_value())); });
   result.map_url = attribute(child(child(child(child(get_map, "DCPType"), "HTTP"), "Get"), "OnlineResource"), "href");
   const auto size_of = [&](const char* tag) {
     return static_cast<int>(std::clamp<std::int64_t>(count_of(text_of(service, tag)), 0, 1 << 20));
@@ -275,7 +267,7 @@ WmsCapabilities parse_wms_capabilities(std::string_view xml, const std::string& 
 }
 
 std::string crs_code_of(const std::string& text) {
-  const std::string name = lower_case(text);
+  const std::string name = roadquery::lowered(text);
   if (name.find("crs84") != std::string::npos) return "OGC:CRS84";
   if (name.find("epsg") == std::string::npos) return {};
   std::size_t end = name.find_last_of("0123456789");
@@ -289,10 +281,10 @@ std::string crs_code_of(const std::string& text) {
 }
 
 std::vector<std::string> by_likeness(std::vector<std::string> names, const std::string& wanted) {
-  const std::string target = lower_case(wanted).substr(0, 200);
+  const std::string target = roadquery::lowered(wanted).substr(0, 200);
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (std::string& name : names) {
-    const std::string other = lower_case(name).substr(0, 200);
+    const std::string other = roadquery::lowered(name).substr(0, 200);
     const bool part = !target.empty() && !other.empty() &&
                       (other.find(target) != std::string::npos || target.find(other) != std::string::npos);
     ranked.emplace_back(part ? 1 : name_distance(target, other) + 1, std::move(name));

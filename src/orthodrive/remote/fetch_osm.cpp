@@ -8,7 +8,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/io/cut_osm.hpp"
+#include "orthodrive/io/osm/cut_osm.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
 #include "orthodrive/remote/tile_plan.hpp"
 #include "orthodrive/remote/url_template.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/cut_raster.hpp"
+#include "orthodrive/io/raster/cut_raster.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
 #include "orthodrive/remote/url_template.hpp"
 

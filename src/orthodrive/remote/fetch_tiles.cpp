@@ -8,7 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/io/tile_image.hpp"
+#include "orthodrive/io/raster/tile_image.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
 #include "orthodrive/remote/tile_plan.hpp"
 #include "orthodrive/remote/tile_store.hpp"

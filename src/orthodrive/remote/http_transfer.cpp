@@ -10,6 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "roadquery/text.hpp"
 
 namespace orthodrive::remote {
 
@@ -26,8 +27,7 @@ void ResponseHeaders::add(std::string_view line) {
   }
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || line.size() > 4000) return;
-  std::string name(line.substr(0, colon));
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = roadquery::lowered(line.substr(0, colon));
   std::string_view value = line.substr(colon + 1);
   while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
   const auto keep = [&](const char* wanted, std::string& into) {

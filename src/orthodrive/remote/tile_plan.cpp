@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/crs_facts.hpp"
+#include "orthodrive/io/support/crs_facts.hpp"
 #include "orthodrive/remote/tile_services.hpp"
 #include "orthodrive/remote/url_template.hpp"
 

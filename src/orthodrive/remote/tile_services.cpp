@@ -8,8 +8,9 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/crs_facts.hpp"
+#include "orthodrive/io/support/crs_facts.hpp"
 #include "orthodrive/remote/url_template.hpp"
+#include "roadquery/text.hpp"
 
 namespace orthodrive::remote {
 namespace {
@@ -46,12 +47,10 @@ std::string with_keys_of(const std::string& url, const std::string& given) {
   while (at < given.size()) {
     const std::size_t end = std::min(given.find('&', at), given.size());
     const std::string part = given.substr(at, end - at);
-    std::string name = part.substr(0, part.find('='));
+    const std::string name = roadquery::lowered(part.substr(0, part.find('=')));
     at = end + 1;
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
     if (part.empty() || protocol.contains(name)) continue;
-    std::string lower = result;
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string lower = roadquery::lowered(result);
     if (lower.find("?" + name + "=") != std::string::npos || lower.find("&" + name + "=") != std::string::npos)
       continue;
     result += (result.find('?') == std::string::npos            ? "?"

@@ -6,14 +6,10 @@
 #include <algorithm>
 #include <cctype>
 
+#include "roadquery/text.hpp"
+
 namespace orthodrive::remote {
 namespace {
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return std::tolower(c); });
-  return result;
-}
-
 /// Calls text(part) for what stands outside {} and name(part, with braces) for what stands inside.
 template <typename Text, typename Name>
 void split(std::string_view pattern, const Text& text, const Name& name) {
@@ -57,8 +53,9 @@ std::string filled(std::string_view pattern, const std::map<std::string, std::st
   split(
       pattern, [&](std::string_view text) { result += text; },
       [&](std::string_view name, std::string_view whole) {
-        const auto found = std::find_if(values.begin(), values.end(),
-                                        [&](const auto& value) { return lower(value.first) == lower(name); });
+        const auto found = std::find_if(values.begin(), values.end(), [&](const auto& value) {
+          return roadquery::lowered(value.first) == roadquery::lowered(name);
+        });
         result += found == values.end() ? std::string(whole) : found->second;
       });
   return result;
@@ -70,10 +67,10 @@ std::string with_query(const std::string& url, const std::vector<std::pair<std::
   std::size_t at = 0;
   while (at < kept.size()) {
     const std::size_t end = std::min(kept.find('&', at), kept.size());
-    const std::string part = kept.substr(at, end - at), name = lower(part.substr(0, part.find('=')));
+    const std::string part = kept.substr(at, end - at), name = roadquery::lowered(part.substr(0, part.find('=')));
     at = end + 1;
-    if (part.empty() ||
-        std::any_of(query.begin(), query.end(), [&](const auto& item) { return lower(item.first) == name; }))
+    if (part.empty() || std::any_of(query.begin(), query.end(),
+                                    [&](const auto& item) { return roadquery::lowered(item.first) == name; }))
       continue;
     result += (result.back() == '?' ? "" : "&") + part;
   }
@@ -88,11 +85,11 @@ std::string host_of(std::string_view url) {
   std::string_view rest = url.substr(scheme + 3);
   rest = rest.substr(0, rest.find_first_of("/?#"));
   if (const std::size_t login = rest.rfind('@'); login != std::string_view::npos) rest = rest.substr(login + 1);
-  return lower(url.substr(0, scheme + 3)) + lower(rest);
+  return roadquery::lowered(url.substr(0, scheme + 3)) + roadquery::lowered(rest);
 }
 
 bool is_http(std::string_view url) {
-  const std::string start = lower(url.substr(0, 8));
+  const std::string start = roadquery::lowered(url.substr(0, 8));
   return start.starts_with("http://") || start.starts_with("https://");
 }
 

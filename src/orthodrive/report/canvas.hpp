@@ -8,7 +8,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/polyline.hpp"
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 
 namespace orthodrive {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "orthodrive/evaluate/evaluate_labels.hpp"
+#include "orthodrive/evaluate/labels/evaluate_labels.hpp"
 #include "orthodrive/report/canvas.hpp"
 
 namespace orthodrive {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "orthodrive/evaluate/evaluate_labels.hpp"
+#include "orthodrive/evaluate/labels/evaluate_labels.hpp"
 #include "orthodrive/report/html.hpp"
 
 namespace orthodrive {

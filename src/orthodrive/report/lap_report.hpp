@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 
 namespace orthodrive {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/drive/drive_route.hpp"
 
 namespace orthodrive {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/roads/evaluate_roads.hpp"
 #include "orthodrive/report/canvas.hpp"
 
 namespace orthodrive {

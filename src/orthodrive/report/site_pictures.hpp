@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "orthodrive/report/canvas.hpp"
 #include "roadquery/road_map.hpp"

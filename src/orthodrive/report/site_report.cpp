@@ -9,7 +9,8 @@
 #include <sstream>
 
 #include "orthodrive/core/escape_xml.hpp"
-#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/core/median.hpp"
+#include "orthodrive/model/rasters/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/report/svg_plot.hpp"
 
@@ -36,11 +37,7 @@ std::string color_bar(const std::string& label, double high, const std::string& 
                      label, stops, high, unit);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
+double median_of(const std::vector<double>& values) { return values.empty() ? std::nan("") : median(values); }
 
 /// Share of values in bins of `step`, as a stepped line.
 PlotSeries histogram(const std::vector<double>& values, double low, double high, double step, const std::string& name) {
@@ -128,8 +125,8 @@ std::string refine_section(const SiteReportView& in, const Box2& box) {
   std::vector<std::vector<std::string>> rows;
   rows.reserve(classes.size());
   for (const auto& [name, c] : classes)
-    rows.push_back({name, fmt::format("{:.2f}", c.length_m / 1000.0), fmt::format("{:.2f}", median(c.input)),
-                    fmt::format("{:.2f}", median(c.refined)), fmt::format("{:.2f}", median(c.sigma))});
+    rows.push_back({name, fmt::format("{:.2f}", c.length_m / 1000.0), fmt::format("{:.2f}", median_of(c.input)),
+                    fmt::format("{:.2f}", median_of(c.refined)), fmt::format("{:.2f}", median_of(c.sigma))});
   std::string html = "<h2>3. Roads moved onto the photo</h2>\n" +
                      color_bar("offset from OpenStreetMap", offset_scale_m, "m") +
                      figure(in, picture_of_offsets(in.overview, roads, box, offset_scale_m),

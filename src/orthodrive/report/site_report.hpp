@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
-#include "orthodrive/model/raster_source.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/raster_source.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/report/html.hpp"
 #include "roadquery/road_map.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 // The one rule that says which road runs on into which where several meet. All that is called one road follows from it:
 // the chains of whole ways (path_links.hpp) that refine, elevate and the drive logs work on, and the chains of pieces
-// of way (network/topology.hpp) from which the network stage cuts its roads.
+// of way (network/topology/topology.hpp) from which the network stage cuts its roads.
 
 #include <limits>
 #include <numbers>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "orthodrive/geo/polyline.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

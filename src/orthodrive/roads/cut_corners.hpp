@@ -2,7 +2,7 @@
 #pragma once
 // Ways that turn off at a junction while another road runs straight on: two roads that OSM draws as one way.
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/roads/continuation.hpp"
 
 namespace orthodrive {

@@ -2,7 +2,7 @@
 #pragma once
 // OSM's nodes are far apart on straight roads; heights and networks want a node every few metres.
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

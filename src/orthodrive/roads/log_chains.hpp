@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/roads/path_links.hpp"
 
 namespace orthodrive {

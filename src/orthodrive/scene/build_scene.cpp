@@ -10,14 +10,15 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "orthodrive/scene/building_mesh.hpp"
-#include "orthodrive/scene/drape.hpp"
-#include "orthodrive/scene/kerbs.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
-#include "orthodrive/scene/tile_features.hpp"
-#include "orthodrive/scene/tile_materials.hpp"
-#include "orthodrive/scene/tile_texture.hpp"
-#include "orthodrive/scene/triangulate.hpp"
+#include "orthodrive/scene/buildings/building_mesh.hpp"
+#include "orthodrive/scene/look/mesh_materials.hpp"
+#include "orthodrive/scene/plan/drape.hpp"
+#include "orthodrive/scene/plan/triangulate.hpp"
+#include "orthodrive/scene/roads/kerbs.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
+#include "orthodrive/scene/tiles/tile_features.hpp"
+#include "orthodrive/scene/tiles/tile_materials.hpp"
+#include "orthodrive/scene/tiles/tile_texture.hpp"
 
 namespace orthodrive {
 namespace {
@@ -409,7 +410,6 @@ Polygon photo_outline(const PhotoSource& photo) {
 }
 
 const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout) { return layout.tiles; }
-Vec3 scene_origin(const SceneLayout& layout) { return layout.origin; }
 Findings scene_findings(const SceneLayout& layout) {
   Findings all = layout.frame->findings;
   all.insert(all.end(), layout.findings.begin(), layout.findings.end());

@@ -3,70 +3,20 @@
 // The scene for the eye: textured terrain with the roads cut in, tile by tile. What is seen is what is driven: road
 // vertices lie on the surface of roadquery/road_surface.hpp. How it is made: docs/scene.md.
 
-#include <compare>
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/core/shared_loop.hpp"
-#include "orthodrive/geo/polygon.hpp"
-#include "orthodrive/model/building.hpp"
-#include "orthodrive/model/map_surroundings.hpp"
-#include "orthodrive/model/raster_source.hpp"
-#include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
-#include "roadquery/road_map.hpp"
+#include "orthodrive/scene/plan/scene_input.hpp"
+#include "orthodrive/scene/plan/tile_address.hpp"
 
 namespace orthodrive {
-
-/// Borrowed: what is given must outlive the call, for lay_out_scene() the layout. All in the site CRS.
-struct SceneInput {
-  const roadquery::RoadMap& roads;
-  const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
-  const Photo& photo;
-  Polygon area;                                   ///< the scene ends here
-  const LabelMap* labels = nullptr;               ///< if given, tiles carry the classes, for simulators and viewers
-  std::span<const Building> buildings = {};       ///< of maps; labels show what they lack
-  std::span<const Vec2> trees = {};               ///< single trees of maps; labels show the others
-  const MapSurroundings* surroundings = nullptr;  ///< barriers, water, railways, lamps, objects of maps
-};
-
-/// The same with rasters that are read window by window, from several threads at once.
-struct SceneSource {
-  const roadquery::RoadMap& roads;
-  HeightSource terrain;
-  PhotoSource photo;
-  Polygon area;
-  std::optional<LabelSource> labels;
-  std::span<const Building> buildings = {};
-  std::span<const Vec2> trees = {};
-  const MapSurroundings* surroundings = nullptr;
-};
-/// The input must outlive the source.
-[[nodiscard]] SceneSource source_of(const SceneInput& input);
-
-struct SceneOptions {
-  double road_tolerance_m = 0.02;  ///< of the road mesh's edges from the exact ones
-  double terrain_step_m = 10.0;    ///< distance of terrain vertices, also along tile borders
-  double verge_m = 5.0;            ///< over this distance from a road the ground goes from the road's edge to the DTM
-  double deck_thickness_m = 0.8;   ///< of bridges
-  int block_tiles = 4;  ///< a side of what is laid out at a time, a power of two; the result does not depend on it
-  int max_texture_px = 2048;  ///< a tile side; photos coarser than that keep their own resolution
-  int threads = 0;            ///< 0 = all cores; the result does not depend on it
-};
-
-/// Tiles of level 0 are squares of 480 m whose corners are multiples of 480 m in the site CRS.
-constexpr double scene_tile_m = 480.0;
-
-struct TileAddress {
-  int column = 0, row = 0;  ///< easting / 480 m, northing / 480 m, rounded down
-  friend auto operator<=>(const TileAddress&, const TileAddress&) = default;
-};
 
 /// What the tiles of a block share: the roads' union by level, its heights, the splits at tile borders.
 class SceneLayout;
@@ -80,8 +30,6 @@ class SceneLayout;
                                                                const SceneOptions& options = {});
 /// The tiles that share ground with the area, by column, then row.
 [[nodiscard]] const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout);
-/// Middle of the area at a height of the terrain, whole metres.
-[[nodiscard]] Vec3 scene_origin(const SceneLayout& layout);
 [[nodiscard]] Findings scene_findings(const SceneLayout& layout);
 /// Meshes of terrain and road share the vertices where they meet; decks of bridges are road, their sides and undersides
 /// road_body. Vertices on the tile's border equal those of the neighbour bit by bit, once the origins
@@ -89,8 +37,8 @@ class SceneLayout;
 [[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
 
 struct SceneResult {
-  Vec3 origin;                                                       ///< as scene_origin()
-  int levels = 1;                                                    ///< of detail
+  Vec3 origin;     ///< middle of the area at a height of the terrain, whole metres
+  int levels = 1;  ///< of detail
   std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;  ///< of level 0
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
   std::size_t buildings = 0, trees = 0;
@@ -105,9 +53,9 @@ using TileSink = std::function<void(const SceneTile& tile)>;
 /// Bytes that build_scene_cells() left of a cell, perhaps on another machine; nothing: the cell is made now.
 using MadeCells = std::function<std::optional<std::string>(std::size_t cell)>;
 
-/// All tiles of all levels (scene/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as soon as
-/// it is done, and forgotten when the one above it is. Laid out block by block: of rasters, meshes and what is drawn
-/// only that of a few blocks is held at a time. Tiles of cells made before are not handed over again.
+/// All tiles of all levels (scene/tiles/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as
+/// soon as it is done, and forgotten when the one above it is. Laid out block by block: of rasters, meshes and what is
+/// drawn only that of a few blocks is held at a time. Tiles of cells made before are not handed over again.
 SceneResult build_scene(const SceneSource& source, const TileSink& write, const SceneOptions& options = {},
                         Monitor* monitor = nullptr, const MadeCells& made = {});
 

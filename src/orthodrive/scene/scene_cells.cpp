@@ -10,10 +10,10 @@
 #include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/memory.hpp"
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/scene/archived_tiles.hpp"
 #include "orthodrive/scene/build_scene.hpp"
-#include "orthodrive/scene/scene_layout.hpp"
-#include "orthodrive/scene/tile_levels.hpp"
+#include "orthodrive/scene/buildings/archived_tiles.hpp"
+#include "orthodrive/scene/tiles/scene_layout.hpp"
+#include "orthodrive/scene/tiles/tile_levels.hpp"
 
 namespace orthodrive {
 
@@ -145,7 +145,7 @@ struct SceneCells {
   std::shared_ptr<const SceneFrame> frame;
   SceneWindows windows;
   TileLevels levels;
-  std::vector<Block> blocks;  ///< one a cell
+  std::vector<Block> blocks;  ///< one per cell
   int level;                  ///< of the tile that covers a cell
 };
 

@@ -62,7 +62,7 @@ void add_mirrored(const Raster<float>& mirrored, const std::vector<Between>& col
 
 }  // namespace
 
-NetworkWindow network_window(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame,
+NetworkWindow network_window(const InferenceNetwork& network, const MapLines* map, const GridFrame& frame,
                              const PixelBox& seen, Raster<std::uint8_t> rgb) {
   NetworkWindow window{mirror_beyond(std::move(rgb), seen, frame), {}};
   if (network.sees_map())
@@ -74,7 +74,7 @@ MoreLooks::MoreLooks(const PhotoSource& photo, double gsd_m) {
   for (const double scale : look_scales) photos_.push_back(resample_source(photo, scale * gsd_m));
 }
 
-void MoreLooks::average(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame,
+void MoreLooks::average(const InferenceNetwork& network, const MapLines* map, const GridFrame& frame,
                         const PixelBox& box, Raster<float>& scores, CellMemory& memory) const {
   if (photos_.empty()) return;
   for (const PhotoSource& photo : photos_) {

@@ -8,8 +8,8 @@
 
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/model/map_alignment.hpp"
-#include "orthodrive/model/photo_source.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
 #include "orthodrive/nets/inference_network.hpp"
 
 namespace orthodrive {
@@ -21,7 +21,7 @@ struct NetworkWindow {
 };
 /// `seen`: the box, grown by the network's margin. `rgb`: the photo in the part of it that lies in the frame; beyond it
 /// is mirrored.
-[[nodiscard]] NetworkWindow network_window(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame,
+[[nodiscard]] NetworkWindow network_window(const InferenceNetwork& network, const MapLines* map, const GridFrame& frame,
                                            const PixelBox& seen, Raster<std::uint8_t> rgb);
 
 /// Pixels of the network along a pixel of each further look, the finest first.
@@ -38,7 +38,7 @@ class MoreLooks {
   /// `scores` are those of `box`, in pixels of `frame`, a grid with the photo's north-western corner. Each class gets
   /// the mean of its own and those of the looks, bilinear. A pixel's does not depend on the box. `memory`: of this
   /// thread.
-  void average(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame, const PixelBox& box,
+  void average(const InferenceNetwork& network, const MapLines* map, const GridFrame& frame, const PixelBox& box,
                Raster<float>& scores, CellMemory& memory) const;
 
  private:

@@ -2,8 +2,8 @@
 #pragma once
 // A photo at another scale.
 
-#include "orthodrive/model/photo_source.hpp"
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 
 namespace orthodrive {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "orthodrive/crf/crf_model.hpp"
-#include "orthodrive/model/class_table.hpp"
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 
 namespace orthodrive {
 

@@ -88,7 +88,7 @@ struct Decision {
   LabelledPixels pixels;
   std::int64_t labelled_pixels = 0;
   PhotoLook look;
-  std::vector<PlaceAlignment> alignments;  ///< one a place asked for in the window
+  std::vector<PlaceAlignment> alignments;  ///< one per place asked for in the window
 };
 template <typename Archive>
 void fields(Archive& archive, Decision& d) {
@@ -250,7 +250,7 @@ class Mosaic {
   int factor_ = 1;  ///< label pixels along one of the network's
   bool with_map_ = false;
   const InferenceNetwork& network_;
-  const RoadMap* map_ = nullptr;
+  const MapLines* map_ = nullptr;
   std::span<const Vec2> places_;
   std::optional<CrfModel> crf_;
   std::vector<std::size_t> road_classes_;

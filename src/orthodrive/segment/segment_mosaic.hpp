@@ -12,9 +12,9 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/core/shared_loop.hpp"
-#include "orthodrive/model/map_alignment.hpp"
-#include "orthodrive/model/photo_source.hpp"
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 
 namespace orthodrive {
@@ -22,8 +22,8 @@ namespace orthodrive {
 struct SegmentOptions {
   int window_px =
       0;  ///< edge of what is decided at once, in the network's pixels; margins come on top; 0: as suits memory
-  int threads = 0;               ///< 0 = all cores; the result does not depend on it
-  const RoadMap* map = nullptr;  ///< the roads of the photo's map, to networks that see one; none: the photo alone
+  int threads = 0;                ///< 0 = all cores; the result does not depend on it
+  const MapLines* map = nullptr;  ///< the roads of the photo's map, to networks that see one; none: the photo alone
   std::span<const Vec2>
       places;                   ///< on the map's lines, in the photo's CRS: where a model that sees it tells alignments
   std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
@@ -45,7 +45,7 @@ using LabelSink = std::function<void(const PixelBox& box, const LabelledPixels& 
 struct SegmentSummary {
   GridFrame frame;                         ///< of the labels
   std::int64_t labelled_pixels = 0;        ///< those with photo
-  std::vector<PlaceAlignment> alignments;  ///< one a place asked for
+  std::vector<PlaceAlignment> alignments;  ///< one per place asked for
   Findings findings;
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/geo/angle.hpp"
 #include "orthodrive/geo/polygon.hpp"
 
 namespace orthodrive::synth {
@@ -49,8 +50,6 @@ AlignmentPoint evaluate(const SplineCurve& curve, double s_m) {
   const Vec2 d{curve.x.slope(u), curve.y.slope(u)}, dd{curve.x.bend(u), curve.y.bend(u)};
   return {{curve.x.at(u), curve.y.at(u)}, std::atan2(d.y, d.x), cross(d, dd) / std::pow(length(d), 3.0)};
 }
-
-double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 /// Clothoid, arc, clothoid that turn by `deflection` with the arc's radius 1, starting at the origin along x.
 std::vector<AlignmentElement> unit_corner(double deflection) {
@@ -111,7 +110,7 @@ double design_curvature_1pm(const Alignment& alignment, double s_m) {
   double turn = 0.0, heading = evaluate(alignment, begin).heading_rad;
   for (int i = 1; i <= steps; ++i) {
     const double next = evaluate(alignment, begin + (end - begin) * i / steps).heading_rad;
-    turn += wrapped(next - heading);
+    turn += wrapped_angle(next - heading);
     heading = next;
   }
   return turn / (end - begin);
@@ -128,7 +127,7 @@ Alignment round_corners(const std::vector<Corner>& corners, bool closed) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!closed && (i == 0 || i + 1 == n)) continue;
     const Vec2 in = corners[i].p - corners[(i + n - 1) % n].p, out = corners[(i + 1) % n].p - corners[i].p;
-    const double heading = std::atan2(in.y, in.x), deflection = wrapped(std::atan2(out.y, out.x) - heading);
+    const double heading = std::atan2(in.y, in.x), deflection = wrapped_angle(std::atan2(out.y, out.x) - heading);
     if (deflection == 0.0) continue;
     Rounded& r = rounded[i];
     r.heading_rad = heading;

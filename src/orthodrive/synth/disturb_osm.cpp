@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/synth/noise.hpp"
 
 namespace orthodrive::synth {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "orthodrive/model/osm_data.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/osm_data.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/site_objects.hpp"
 #include "orthodrive/synth/terrain.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 // Labels of the 38 classes of the thesis (appendix A.1, models/classes/reference-38.toml).
 
-#include "orthodrive/model/class_table.hpp"
+#include "orthodrive/model/rasters/class_table.hpp"
 #include "orthodrive/synth/scene_raster.hpp"
 
 namespace orthodrive::synth {

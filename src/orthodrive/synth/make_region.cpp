@@ -10,10 +10,10 @@
 #include <numbers>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/disturb_osm.hpp"
-#include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/paint_ortho.hpp"
 #include "orthodrive/synth/plan_index.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"

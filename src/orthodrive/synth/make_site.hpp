@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/model/osm_data.hpp"
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/roads/osm_data.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/photo_textures.hpp"
 
 namespace orthodrive {
@@ -63,7 +63,7 @@ struct SynthSite {
   HeightGrid true_dtm;                 ///< 1 m without noise; bare earth below bridges
   OsmData osm;                         ///< disturbed: roads, buildings, woods, water, parking
   RoadNetwork roads;                   ///< truth, a node a metre: width, z, gradient, banking, offset from the OSM line
-  std::vector<SynthSurface> surfaces;  ///< one a path of `roads`
+  std::vector<SynthSurface> surfaces;  ///< one per path of `roads`
   std::string route_name;              ///< of the way to drive on: the circuit, a region's motorway; empty: none
   bool route_closed = true;
   std::vector<std::string> attribution{"Synthetic site made by orthodrive synth, no rights reserved"};

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <optional>
 
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/synth/mood.hpp"
-#include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/pavement.hpp"
 #include "orthodrive/synth/photo_textures.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "orthodrive/synth/noise.hpp"
+#include "orthodrive/core/noise.hpp"
 
 namespace orthodrive::synth {
 namespace {

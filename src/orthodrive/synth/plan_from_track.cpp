@@ -10,7 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/plan_country.hpp"
 #include "orthodrive/synth/trackside.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "orthodrive/model/osm_data.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/osm_data.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/site_plan.hpp"
 #include "orthodrive/synth/track_table.hpp"
 

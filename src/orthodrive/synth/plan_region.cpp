@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/synth/countryside.hpp"
 #include "orthodrive/synth/interchange.hpp"
-#include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/trackside.hpp"
 

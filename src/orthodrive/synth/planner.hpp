@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/site_plan.hpp"
 
 namespace orthodrive::synth {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/world.hpp"
 
 namespace orthodrive::synth {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/planner.hpp"
 
 namespace orthodrive::synth {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 
 namespace orthodrive::synth {

@@ -13,7 +13,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/math/cubic_spline.hpp"
-#include "orthodrive/model/osm_data.hpp"
+#include "orthodrive/model/roads/osm_data.hpp"
 #include "orthodrive/synth/alignment.hpp"
 
 namespace orthodrive::synth {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/math/normal_matrix.hpp"
-#include "orthodrive/synth/noise.hpp"
 
 namespace orthodrive::synth {
 namespace {

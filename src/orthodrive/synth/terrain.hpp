@@ -33,7 +33,7 @@ struct Profile {
 
 struct Terrain {
   Hills hills;
-  std::vector<Profile> profiles;  ///< one a road of the plan
+  std::vector<Profile> profiles;  ///< one per road of the plan
 };
 
 /// Clearance plus thickness of the deck: height of the upper road above the lower one at a bridge.

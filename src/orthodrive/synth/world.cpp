@@ -8,10 +8,10 @@
 #include <functional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/make_site.hpp"
-#include "orthodrive/synth/noise.hpp"
 
 namespace orthodrive::synth {
 namespace {

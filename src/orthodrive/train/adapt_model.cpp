@@ -124,7 +124,7 @@ CellBoxes choose_cells(const GridFrame& frame, const WeakLabels& labels, ClassSe
 /// The roads in reach of a frame, moved, as the network sees them. The labels are those of the map where it lies: a
 /// network that copies what it sees is wrong beside a map that is elsewhere. All of it moves by more than maps err:
 /// else the copy would still be nearer to the labels than the photo's road.
-Raster<std::uint8_t> moved_map(const RoadMap& map, const GridFrame& frame, std::uint64_t seed) {
+Raster<std::uint8_t> moved_map(const MapLines& map, const GridFrame& frame, std::uint64_t seed) {
   constexpr double most_moved_px = 80.0, least_px = 12.0, most_px = 20.0;
   const PixelBox box{0, 0, frame.width, frame.height};
   std::vector<RoadLine> moved = move_lines(map.near(frame, box, map_reach_px + most_moved_px), seed);
@@ -138,7 +138,7 @@ Raster<std::uint8_t> moved_map(const RoadMap& map, const GridFrame& frame, std::
 enum class CellUse { learned, held_back };
 
 /// Every other cell that is learned from has no map: what the network says by the photo alone is learned, too.
-std::vector<AdaptCell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const RoadMap& map,
+std::vector<AdaptCell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const MapLines& map,
                                   const std::vector<PixelBox>& boxes, CellUse use, const AdaptOptions& options) {
   const std::uint64_t seed = derive_seed(options.seed, use == CellUse::learned ? 0x6d6170 : 0x6a6467);
   std::vector<AdaptCell> cells(boxes.size());
@@ -382,7 +382,7 @@ void require_adaptable(const SegmentModel& model, const std::string& source) {
 }
 
 AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                         const WeakLabels& labels, const RoadMap& map, const AdaptOptions& options, Monitor* monitor) {
+                         const WeakLabels& labels, const MapLines& map, const AdaptOptions& options, Monitor* monitor) {
   const SegmentModel shipped = load_model(model, source);
   const AdaptedNetwork network(shipped, shipped.sees_map && !map.empty(), source);
   const PhotoSource scaled = resample_source(photo, network_frame(photo.frame, shipped));

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/model/allowed_classes.hpp"
-#include "orthodrive/model/map_alignment.hpp"
-#include "orthodrive/model/photo_source.hpp"
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
+#include "orthodrive/model/rasters/photo_source.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 
 namespace orthodrive {
@@ -65,7 +65,7 @@ void require_adaptable(const SegmentModel& model, const std::string& source);
 /// one that sees none. It learns beside them as they are not: moved, or not there at all. Deterministic. `source` names
 /// the model in messages. Throws as require_adaptable() and load_model().
 [[nodiscard]] AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                                       const WeakLabels& labels, const RoadMap& map, const AdaptOptions& options = {},
+                                       const WeakLabels& labels, const MapLines& map, const AdaptOptions& options = {},
                                        Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

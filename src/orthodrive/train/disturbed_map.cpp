@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/core/median.hpp"
 #include "orthodrive/core/random.hpp"
 
 namespace orthodrive {
@@ -240,11 +241,10 @@ DisturbedLine disturbed(const ThinnedLine& line, const SmoothField& field, Rando
   for (const double w : line.half_width)
     if (w > 0.0) known.push_back(w);
   if (known.empty()) return result;
-  std::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2), known.end());
-  const double median = known[known.size() / 2], kind = random.uniform();
+  const double usual = median(std::move(known)), kind = random.uniform();
   result.drawn.half_width = kind < 0.15  ? 0.0
                             : kind < 0.4 ? std::array{3.5, 5.5, 6.0, 7.0}[random.below(4)]  // 3.5 to 7 m at 0.5 m/px
-                                         : median * std::exp(0.35 * random.normal());
+                                         : usual * std::exp(0.35 * random.normal());
   return result;
 }
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "orthodrive/model/allowed_classes.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 
 namespace orthodrive {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 #include "orthodrive/nets/inference_network.hpp"
 #include "orthodrive/nets/network_graph.hpp"
 
@@ -22,7 +22,7 @@ struct LayerParams {
   at::Tensor kernel, gamma, beta, mean, variance, bias;
 };
 using NetworkParams =
-    std::vector<LayerParams>;  ///< one a layer of the graph, undefined tensors where it has no weights
+    std::vector<LayerParams>;  ///< one per layer of the graph, undefined tensors where it has no weights
 
 struct TrainingMode {
   bool update_batch_statistics = false;  ///< batch norm uses and updates the batch's statistics

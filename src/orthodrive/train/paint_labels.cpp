@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orthodrive/geo/segment.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -16,13 +18,9 @@ void visit_capsule(const GridFrame& frame, Vec2 a, Vec2 b, double radius_m, cons
             begin_row = std::max(0, static_cast<int>(std::floor(p.y)));
   const int end_col = static_cast<int>(std::min<double>(frame.width, std::ceil(q.x)));
   const int end_row = static_cast<int>(std::min<double>(frame.height, std::ceil(q.y)));
-  const Vec2 direction = b - a;
-  const double squared = dot(direction, direction);
   for (int row = begin_row; row < end_row; ++row) {
     for (int col = begin_col; col < end_col; ++col) {
-      const Vec2 center = frame.center_of(col, row);
-      const double t = squared > 0.0 ? std::clamp(dot(center - a, direction) / squared, 0.0, 1.0) : 0.0;
-      if (distance(center, a + direction * t) <= radius_m) visit(col, row);
+      if (distance_to_segment(a, b, frame.center_of(col, row)) <= radius_m) visit(col, row);
     }
   }
 }

@@ -6,7 +6,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/polyline.hpp"
-#include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
 
 namespace orthodrive {
 

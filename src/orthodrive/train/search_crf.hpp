@@ -8,7 +8,7 @@
 
 #include "orthodrive/crf/crf_model.hpp"
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
 
 namespace orthodrive {
 

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/median.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/nets/make_network.hpp"
@@ -340,7 +341,7 @@ Trainer::Trainer(const TensorFile& start, const std::string& source, const Model
   if (options.class_weights.empty()) options.class_weights.assign(classes, 1.0F);
   if (options.class_weights.size() != classes) {
     throw OptionError(
-        fmt::format("{} class weights for {} classes: give one a class", options.class_weights.size(), classes));
+        fmt::format("{} class weights for {} classes: give one per class", options.class_weights.size(), classes));
   }
   s.options = std::move(options);
   s.graph = make_network(metadata.architecture, static_cast<int>(classes));
@@ -376,7 +377,8 @@ void Trainer::scale_start(const std::vector<TrainingScene>& scenes) {
   at::set_num_threads(worker_count(s.options.threads));
   const int size = s.options.crop_px;
   const Batch batch = draw_batch(scenes, s.options, s.metadata.gsd_m, s.step, s.on_map());
-  scale_to_unit_output(s.graph, s.params, input_tensors(s.graph, batch.input(), s.options.batch, size, size).to(s.device));
+  scale_to_unit_output(s.graph, s.params,
+                       input_tensors(s.graph, batch.input(), s.options.batch, size, size).to(s.device));
 }
 
 double Trainer::advance(const std::vector<TrainingScene>& scenes) {
@@ -571,12 +573,11 @@ std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scen
   for (const double s : share)
     if (s > 0.0) present.push_back(s);
   if (present.empty()) throw OptionError("balance_classes: no pixel has one known class");
-  std::nth_element(present.begin(), present.begin() + static_cast<std::ptrdiff_t>(present.size() / 2), present.end());
-  const double median = present[present.size() / 2];
+  const double usual = median(std::move(present));
   std::vector<float> weights;
   weights.reserve(share.size());
   for (const double s : share)
-    weights.push_back(s > 0.0 ? std::clamp(static_cast<float>(median / s), 1.0F / most, most) : 1.0F);
+    weights.push_back(s > 0.0 ? std::clamp(static_cast<float>(usual / s), 1.0F / most, most) : 1.0F);
   return weights;
 }
 
@@ -613,16 +614,16 @@ std::vector<ClassSet> truth_on(const GridFrame& labels, const ValidationScene& s
   return truth;
 }
 
-RoadMap in_world(std::vector<RoadLine> lines, const GridFrame& frame) {
+MapLines in_world(std::vector<RoadLine> lines, const GridFrame& frame) {
   for (RoadLine& line : lines) {
     for (Vec2& p : line.points) p = frame.world_from_pixel(p.x, p.y);
     line.half_width *= frame.gsd_m;
   }
-  return RoadMap(std::move(lines));
+  return MapLines(std::move(lines));
 }
 
 /// The map of a scene, or one as training draws it.
-RoadMap map_of(const ValidationScene& scene, const ClassTable& classes, double gsd_m, std::uint64_t seed) {
+MapLines map_of(const ValidationScene& scene, const ClassTable& classes, double gsd_m, std::uint64_t seed) {
   if (scene.map) return in_world(*scene.map, scene.photo.frame);
   // Lines are disturbed in the pixels of the network.
   const GridFrame& frame = scene.photo.frame;
@@ -646,7 +647,7 @@ std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model, con
                                                   int threads) {
   std::map<std::string, HeldOutScore> scores;
   const ClassSet roads = road_classes(model.classes);
-  const auto measure = [&](const std::string& name, const ValidationScene& scene, const RoadMap* map) {
+  const auto measure = [&](const std::string& name, const ValidationScene& scene, const MapLines* map) {
     const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .map = map, .crf = model.crf});
     HeldOutScore& score = scores.try_emplace(name, static_cast<int>(model.classes.classes.size())).first->second;
     const std::vector<std::uint8_t>& labels = result.labels.labels.data;
@@ -670,7 +671,7 @@ std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model, con
     const ValidationScene& scene = scenes[i];
     measure(scene.name, scene, nullptr);
     if (!model.sees_map) continue;
-    const RoadMap map = map_of(scene, model.classes, model.gsd_m, derive_seed(1, i));
+    const MapLines map = map_of(scene, model.classes, model.gsd_m, derive_seed(1, i));
     measure(scene.name + " with map", scene, &map);
   }
   return scores;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/model/rasters.hpp"
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/rasters.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 #include "orthodrive/train/disturbed_map.hpp"

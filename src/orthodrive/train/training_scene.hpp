@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/model/allowed_classes.hpp"
-#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/rasters/allowed_classes.hpp"
+#include "orthodrive/model/rasters/map_alignment.hpp"
 
 namespace orthodrive {
 

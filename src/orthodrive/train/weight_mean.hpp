@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <string>
 
-#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/model/rasters/tensor_file.hpp"
 #include "orthodrive/train/padded_network.hpp"
 
 namespace orthodrive {

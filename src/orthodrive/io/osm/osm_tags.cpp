@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "orthodrive/io/osm/osm_tags.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace orthodrive::io {
+namespace {
+constexpr double foot_m = 0.3048, inch_m = 0.0254;
+
+std::string tag_value(const OsmTags& tags, const char* key) {
+  const auto it = tags.find(key);
+  return it == tags.end() ? std::string() : it->second;
+}
+
+int parse_int(const std::string& text, int otherwise) {
+  int value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
+  return failed == std::errc() && stopped == end ? value : otherwise;
+}
+
+bool is_set(const std::string& value) { return !value.empty() && value != "no"; }
+}  // namespace
+
+double parse_width_m(const std::string& text) {
+  std::string clean;
+  for (const char c : text)
+    if (c != ' ') clean += c == ',' ? '.' : c;
+  double value = 0.0;
+  const char* end = clean.data() + clean.size();
+  auto [rest, failed] = std::from_chars(clean.data(), end, value);
+  if (failed != std::errc() || !std::isfinite(value) || value <= 0.0) return 0.0;
+  const std::string unit(rest, end);
+  if (unit.empty() || unit == "m" || unit == "metres" || unit == "meters") return value;
+  if (unit == "ft" || unit == "'") return value * foot_m;
+  if (unit.front() == '\'' && unit.back() == '"') {
+    const int inches = parse_int(unit.substr(1, unit.size() - 2), -1);
+    return inches < 0 ? 0.0 : value * foot_m + inches * inch_m;
+  }
+  return 0.0;
+}
+
+WayAttributes way_attributes(const OsmTags& tags) {
+  WayAttributes way;
+  RoadPath& path = way.path;
+  path.highway = tag_value(tags, "highway");
+  path.name = tag_value(tags, "name");
+  path.bridge = is_set(tag_value(tags, "bridge"));
+  path.tunnel = is_set(tag_value(tags, "tunnel"));
+  path.layer = parse_int(tag_value(tags, "layer"), path.bridge ? 1 : path.tunnel ? -1 : 0);
+  path.lanes = std::max(0, parse_int(tag_value(tags, "lanes"), 0));
+  const std::string junction = tag_value(tags, "junction"), oneway = tag_value(tags, "oneway");
+  path.roundabout = junction == "roundabout" || junction == "circular";
+  way.reversed = oneway == "-1" || oneway == "reverse";
+  const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
+  if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
+  read_lane_tags(tags, way);
+  way.width_m = parse_width_m(tag_value(tags, "width"));
+  path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
+  const std::string width = tag_value(tags, "width"), lanes = tag_value(tags, "lanes");
+  if (!width.empty() && way.width_m == 0.0) way.odd.push_back("width=" + width);
+  if (!lanes.empty() && path.lanes == 0) way.odd.push_back("lanes=" + lanes);
+  if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway);
+  return way;
+}
+
+namespace {
+/// crossing:markings counts first: it says what is painted, the older values of crossing say it in part.
+NodeSignKind crossing_kind(const OsmTags& tags) {
+  const std::string crossing = tag_value(tags, "crossing"), markings = tag_value(tags, "crossing:markings");
+  if (crossing == "traffic_signals" || tag_value(tags, "crossing:signals") == "yes")
+    return NodeSignKind::signal_crossing;
+  if (!markings.empty()) return markings == "no" ? NodeSignKind::plain_crossing : NodeSignKind::zebra;
+  const bool marked = crossing == "zebra" || crossing == "marked" || crossing == "uncontrolled";
+  return marked || tag_value(tags, "crossing_ref") == "zebra" ? NodeSignKind::zebra : NodeSignKind::plain_crossing;
+}
+}  // namespace
+
+std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags) {
+  const std::string highway = tag_value(tags, "highway"), crossing = tag_value(tags, "crossing");
+  std::string towards = tag_value(tags, "direction");
+  if (highway == "traffic_signals" && !tag_value(tags, "traffic_signals:direction").empty())
+    towards = tag_value(tags, "traffic_signals:direction");
+  const int direction = towards == "forward" ? 1 : towards == "backward" ? -1 : 0;
+  std::vector<NodeSign> signs;
+  for (const NodeSignKind kind : {NodeSignKind::stop, NodeSignKind::give_way, NodeSignKind::traffic_signals})
+    if (highway == to_string(kind)) signs.push_back({osm_node, kind, direction});
+  if (highway == "crossing" || (!crossing.empty() && crossing != "no"))
+    signs.push_back({osm_node, crossing_kind(tags), 0});
+  return signs;
+}
+
+}  // namespace orthodrive::io

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What the tags of a road say, as numbers. https://wiki.openstreetmap.org/wiki/Key:width and neighbours.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "orthodrive/model/roads/road_network.hpp"
+
+namespace orthodrive::io {
+
+using OsmTags = std::map<std::string, std::string>;
+
+/// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft"; 0 when it cannot be read or is not positive.
+[[nodiscard]] double parse_width_m(const std::string& text);
+
+/// km/h from maxspeed's "50", "30 mph", "walk", "none" (130, the usual advice), "CZ:urban", "DE:zone30"; 0 when it
+/// cannot be read. https://wiki.openstreetmap.org/wiki/Key:maxspeed and Default_speed_limits.
+[[nodiscard]] double parse_speed_kmh(const std::string& text);
+
+/// The attributes of a way (osm_id, part and nodes stay empty). `reversed` when oneway=-1 turns its nodes round.
+struct WayAttributes {
+  RoadPath path;
+  bool reversed = false;
+  double width_m = 0.0;          ///< tag, else default_width_m
+  std::vector<std::string> odd;  ///< tags that say no number, as "width=wide"; they count as absent
+  std::vector<std::string>
+      doubts;  ///< tags of lanes and speed that contradict each other or cannot be read: what was assumed
+};
+[[nodiscard]] WayAttributes way_attributes(const OsmTags& tags);
+
+/// Lanes, turn lanes, speed limit, sidewalks, shoulders and surface of a way whose oneway and lanes are known already;
+/// sides and directions are turned round with the way. Part of way_attributes.
+void read_lane_tags(const OsmTags& tags, WayAttributes& way);
+
+/// What a node's tags say about who waits there and who walks across (highway=stop, give_way, traffic_signals,
+/// crossing; crossing, crossing:markings, crossing_ref; direction). https://wiki.openstreetmap.org/wiki/Key:crossing.
+[[nodiscard]] std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags);
+
+}  // namespace orthodrive::io

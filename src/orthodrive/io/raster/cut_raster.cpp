@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "orthodrive/io/raster/cut_raster.hpp"
+
+#include <fmt/format.h>
+#include <gdal_utils.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
+#include "orthodrive/io/raster/raster_support.hpp"
+
+namespace orthodrive::io {
+namespace {
+namespace fs = std::filesystem;
+
+bool is_remote(const std::string& name) { return name.starts_with("http://") || name.starts_with("https://"); }
+
+/// The drivers of rasters but those whose files name other files or servers.
+std::vector<std::string> safe_drivers() {
+  static const std::set<std::string> leading_on{"VRT", "MRF"};
+  std::vector<std::string> names;
+  GDALDriverManager& drivers = *GetGDALDriverManager();
+  for (int i = 0; i < drivers.GetDriverCount(); ++i) {
+    GDALDriver& driver = *drivers.GetDriver(i);
+    if (driver.GetMetadataItem(GDAL_DCAP_RASTER) && !leading_on.contains(driver.GetDescription()))
+      names.emplace_back(driver.GetDescription());
+  }
+  return names;
+}
+
+DatasetPtr open_source(const std::string& name) {
+  GdalErrors errors;
+  GdalOptions drivers(is_remote(name) ? safe_drivers() : std::vector<std::string>{});
+  const std::string path = is_remote(name) ? "/vsicurl/" + name : name;
+  DatasetPtr dataset(
+      GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, is_remote(name) ? drivers.get() : nullptr));
+  if (!dataset)
+    throw InputError(name, fmt::format("cannot be read as a raster{}; check the url",
+                                       errors.any() ? " (" + printable(errors.text()) + ")" : ""));
+  return dataset;
+}
+
+/// The rasters as one; they must outlive it.
+DatasetPtr joined(const std::vector<DatasetPtr>& sources, const std::vector<std::string>& names) {
+  std::vector<GDALDatasetH> handles;
+  const OGRSpatialReference* first = sources.front()->GetSpatialRef();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const OGRSpatialReference* reference = sources[i]->GetSpatialRef();
+    if (!first || !reference || !first->IsSame(reference))
+      throw InputError(names[i], fmt::format("has another CRS than {}; give it a [[fetch]] of its own", names.front()));
+    handles.push_back(GDALDataset::ToHandle(sources[i].get()));
+  }
+  std::reverse(handles.begin(), handles.end());  // in a virtual raster the last lies on top
+  GdalErrors errors;
+  int failed = 0;
+  DatasetPtr result(GDALDataset::FromHandle(
+      GDALBuildVRT("", static_cast<int>(handles.size()), handles.data(), nullptr, nullptr, &failed)));
+  if (!result || errors.any())
+    throw InputError(names.front(), fmt::format("cannot be joined with the others ({})", printable(errors.text())));
+  return result;
+}
+
+/// In whole pixels of the raster; clipped to it.
+PixelBox window_of(const Georeference& g, GDALDataset& raster, const SiteFrame& site, double margin_m,
+                   const std::string& name) {
+  if (g.c[2] != 0.0 || g.c[4] != 0.0) throw InputError(name, "lies turned; warp it first: gdalwarp IN OUT.tif");
+  const OGRSpatialReference from = spatial_reference(site.crs);
+  GdalErrors errors;
+  const std::unique_ptr<OGRCoordinateTransformation> transform(OGRCreateCoordinateTransformation(&from, &g.reference));
+  const Box2 box = bounds_of(site.area.outer).grown(margin_m);
+  double x[2] = {1e300, -1e300}, y[2] = {1e300, -1e300};
+  constexpr int steps = 16;
+  for (int i = 0; i <= steps; ++i)
+    for (int j = 0; j <= steps; ++j) {
+      double px = box.min_x + box.width() * i / steps, py = box.min_y + box.height() * j / steps;
+      if (!transform || !transform->Transform(1, &px, &py)) continue;
+      x[0] = std::min(x[0], px), x[1] = std::max(x[1], px), y[0] = std::min(y[0], py), y[1] = std::max(y[1], py);
+    }
+  const double columns[2] = {(x[0] - g.c[0]) / g.c[1], (x[1] - g.c[0]) / g.c[1]},
+               rows[2] = {(y[1] - g.c[3]) / g.c[5], (y[0] - g.c[3]) / g.c[5]};
+  const auto limited = [](double value, int most) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
+  };
+  const int col = limited(std::floor(std::min(columns[0], columns[1])), raster.GetRasterXSize()),
+            end_col = limited(std::ceil(std::max(columns[0], columns[1])), raster.GetRasterXSize());
+  const int row = limited(std::floor(std::min(rows[0], rows[1])), raster.GetRasterYSize()),
+            end_row = limited(std::ceil(std::max(rows[0], rows[1])), raster.GetRasterYSize());
+  if (end_col <= col || end_row <= row)
+    throw InputError(
+        name, fmt::format(
+                  "shows nothing of the area: it covers {}, the area is {}; take another source or area",
+                  describe_lonlat(bounds_of(outline_lonlat(g, raster.GetRasterXSize(), raster.GetRasterYSize()).outer)),
+                  describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+  return {col, row, end_col - col, end_row - row};
+}
+
+bool is_photo(GDALDataset& raster) {
+  return raster.GetRasterBand(1)->GetRasterDataType() == GDT_Byte && raster.GetRasterCount() >= 3;
+}
+
+/// Red, green, blue and alpha of a photo: near infrared is left out.
+std::vector<std::string> band_arguments(GDALDataset& raster) {
+  if (!is_photo(raster) || raster.GetRasterCount() == 3) return {};
+  std::vector<std::string> arguments{"-b", "1", "-b", "2", "-b", "3"};
+  for (int b = 4; b <= raster.GetRasterCount(); ++b)
+    if (raster.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) {
+      arguments.insert(arguments.end(), {"-b", std::to_string(b)});
+      break;
+    }
+  return arguments;
+}
+
+/// What GDAL does with servers, for this thread.
+struct HttpManners {
+  explicit HttpManners(const CutRasterOptions& o)
+      : attempts(std::to_string(o.attempts)),
+        stall(fmt::format("{:.0f}", std::max(1.0, o.stall_s))),
+        retry("GDAL_HTTP_MAX_RETRY", attempts.c_str()),
+        low_speed("GDAL_HTTP_LOW_SPEED_TIME", stall.c_str()) {}
+  std::string attempts, stall;
+  ScopedGdalOption retry, low_speed;
+  ScopedGdalOption delay{"GDAL_HTTP_RETRY_DELAY", "0.5"}, least{"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
+      connect{"GDAL_HTTP_CONNECTTIMEOUT", "15"};
+  ScopedGdalOption agent{"GDAL_HTTP_USERAGENT", "orthodrive (map data for an area, asked once and kept)"};
+  ScopedGdalOption no_listing{"GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"},
+      merge{"GDAL_HTTP_MERGE_CONSECUTIVE_RANGES", "YES"};
+  ScopedGdalOption one_by_one{"GDAL_HTTP_MULTIRANGE", "SERIAL"};  // GDAL 3.6 asks several ranges at once only once
+};
+}  // namespace
+
+CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& site, const fs::path& to,
+                     const CutRasterOptions& options) {
+  start_gdal();
+  const HttpManners manners(options);
+  std::vector<DatasetPtr> sources;
+  sources.reserve(names.size());
+  for (const std::string& name : names) sources.push_back(open_source(name));
+  const DatasetPtr mosaic = sources.size() > 1 ? joined(sources, names) : nullptr;
+  GDALDataset& raster = mosaic ? *mosaic : *sources.front();
+  const Georeference g = georeference_of(names.front(), raster);
+  const PixelBox window = window_of(g, raster, site, options.margin_m, names.front());
+  const double gsd_m = pixel_size(g, raster.GetRasterXSize(), raster.GetRasterYSize()).gsd_m();
+  std::vector<std::string> arguments{"-srcwin", std::to_string(window.col), std::to_string(window.row),
+                                     std::to_string(window.width), std::to_string(window.height)};
+  const std::vector<std::string> bands = band_arguments(raster);
+  arguments.insert(arguments.end(), bands.begin(), bands.end());
+  const double coarser = options.gsd_m > 1.05 * gsd_m ? options.gsd_m / gsd_m : 1.0;
+  if (coarser > 1.0)
+    arguments.insert(arguments.end(), {"-r", "average", "-outsize",
+                                       fmt::format("{:.0f}", std::max(1.0, std::round(window.width / coarser))),
+                                       fmt::format("{:.0f}", std::max(1.0, std::round(window.height / coarser)))});
+  DatasetPtr part = translate_to_vrt(raster, arguments);
+  if (!options.vertical_unit.empty())
+    for (int b = 1; b <= part->GetRasterCount(); ++b)
+      part->GetRasterBand(b)->SetUnitType(options.vertical_unit.c_str());
+  if (!options.vertical_datum.empty()) part->SetMetadataItem(vertical_datum_item, options.vertical_datum.c_str());
+  int has_nodata = 0;
+  (void)part->GetRasterBand(1)->GetNoDataValue(&has_nodata);
+  try {
+    create_copy(to, "COG", *part,
+                is_photo(*part) && !has_nodata ? photo_cog_options({.jpeg_quality = 95}) : dtm_cog_options());
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    const bool of_server = what.find("response_code") != std::string::npos || what.find("HTTP") != std::string::npos ||
+                           what.find("CURL") != std::string::npos || what.find("Curl") != std::string::npos;
+    if (!of_server) throw;  // of the disk
+    throw InputError(names.front(), fmt::format("cannot be read to its end: {}; run it again", printable(what)));
+  }
+  return {crs_of(g.reference), gsd_m * coarser, part->GetRasterXSize(), part->GetRasterYSize()};
+}
+
+}  // namespace orthodrive::io

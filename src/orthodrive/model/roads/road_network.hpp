@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Roads from OSM to OpenDRIVE: one path a way (a piece of a way where the way leaves the area), with samples that the
+// stages refine and elevate fill in step by step. On disk: roads.gpkg.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/polyline.hpp"
+#include "orthodrive/model/roads/road_material.hpp"
+
+namespace orthodrive {
+
+enum class Oneway : std::int8_t { no = 0, forward = 1 };  ///< oneway=-1 is reversed on reading
+
+/// Where banking and crown of a node come from.
+enum class BankingSource : std::int8_t {
+  unset,         ///< no heights yet
+  none,          ///< a raceway that nothing measured
+  dtm,           ///< measured across the carriageway in a terrain model
+  log,           ///< measured by a car that drove there
+  interpolated,  ///< between or shortly beyond measured places
+  design,        ///< as roads of the class are designed
+  truth          ///< of a synthetic site
+};
+/// As the column `banking_source` of roads.gpkg has it; unset is the empty text.
+[[nodiscard]] const char* to_string(BankingSource source);
+/// Unset for other texts.
+[[nodiscard]] BankingSource banking_source_of(std::string_view text);
+
+/// One place along a path.
+struct RoadNode {
+  Vec2 p;                     ///< on the centre line of the carriageway, site CRS
+  std::int64_t osm_node = 0;  ///< 0: put in by resampling. Paths that share an id > 0 meet here
+  double s_m = 0.0;           ///< along the path
+  double offset_m = 0.0;      ///< of p from the OSM line, positive to the left of the path's direction
+  double width_m = 0.0;       ///< of the carriageway (all lanes), symmetric about p
+  double sigma_offset_m = 0.0, sigma_width_m = 0.0;
+  double z_m = std::numeric_limits<double>::quiet_NaN();  ///< height of the road surface at p
+  double gradient = 0.0;                                  ///< dz/ds
+  double banking = 0.0;  ///< slope across in rad, positive = left side higher (<superelevation> in OpenDRIVE)
+  double crown = 0.0;  ///< rad, >= 0: both halves fall away from p by this. z(t) = z + t tan(banking) - |t| tan(crown)
+  double sigma_z_m = 0.0, sigma_banking = 0.0;
+  BankingSource banking_source = BankingSource::unset;  ///< of banking and crown
+  double kerb_radius_m =
+      0.0;  ///< of the corners of the junction that this node is, as seen; 0: not seen, or no junction
+};
+
+/// Where the width of an OSM way comes from: its class alone, its number of lanes, or a tag.
+enum class WidthSource : std::int8_t { highway, lanes, tag };
+
+/// Sides of a path, seen in its direction.
+enum class Sides : std::int8_t { none = 0, left = 1, right = 2, both = 3 };
+[[nodiscard]] constexpr bool has_side(Sides sides, Sides one) {
+  return (static_cast<int>(sides) & static_cast<int>(one)) != 0;
+}
+
+struct RoadPath {
+  std::int64_t osm_id = 0;
+  int part = 0;  ///< pieces of one way inside the area are counted from 0
+  std::string highway, name;
+  int layer = 0;
+  bool bridge = false, tunnel = false;
+  Oneway oneway = Oneway::no;
+  int lanes = 0;  ///< 0: not tagged
+  WidthSource width_source = WidthSource::highway;
+  bool roundabout = false;
+  int lanes_forward = 0, lanes_backward = 0;  ///< of each direction; 0: not tagged
+  /// OSM's turn:lanes of each direction, "left|through;right": lanes from left to right as their drivers see them.
+  std::string turn_forward, turn_backward;
+  double speed_limit_kmh = 0.0;  ///< 0: not tagged
+  Sides sidewalk = Sides::none, shoulder = Sides::none;
+  std::string surface;          ///< as OSM has it; empty: not tagged
+  KnownSurface known_surface;   ///< its class, and where that comes from
+  std::vector<RoadNode> nodes;  ///< at least two; first == last position (and osm_node) for closed ways
+};
+
+/// A turn at a node that OSM's relations forbid (no_*), or the only one they allow (only_*).
+struct TurnRestriction {
+  std::int64_t from_way = 0, via_node = 0, to_way = 0;
+  bool only = false;
+};
+
+/// What the tags of a node on a road say: who waits there, who walks across.
+enum class NodeSignKind : std::int8_t {
+  stop,
+  give_way,
+  traffic_signals,
+  zebra,            ///< a crossing with its own marking
+  signal_crossing,  ///< a crossing with traffic lights
+  plain_crossing    ///< without a marking, or none told
+};
+/// As the column `kind` of roads.gpkg has it.
+[[nodiscard]] const char* to_string(NodeSignKind kind);
+[[nodiscard]] std::optional<NodeSignKind> node_sign_kind_of(std::string_view text);
+
+struct NodeSign {
+  std::int64_t osm_node = 0;
+  NodeSignKind kind = NodeSignKind::stop;
+  int direction = 0;  ///< 1: for who drives along the path, -1: against it, 0: not told
+};
+
+struct RoadNetwork {
+  Crs crs;
+  std::vector<RoadPath> paths;
+  std::vector<TurnRestriction> restrictions;
+  std::vector<NodeSign> signs;  ///< sorted by node, then kind
+};
+
+/// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.
+[[nodiscard]] double default_width_m(const std::string& highway, int lanes, Oneway oneway);
+/// 0 = least important (service) upwards; which road wins at a junction. Unknown values rank as service.
+[[nodiscard]] int road_rank(const std::string& highway);
+/// Speed limit in km/h that holds where none is tagged: what is usual in towns for the class. 0: none (raceways).
+[[nodiscard]] double default_speed_limit_kmh(const std::string& highway);
+/// motorway ... service, track, raceway; not footway, cycleway, path, steps, pedestrian.
+[[nodiscard]] bool is_drivable(const std::string& highway);
+
+/// The same road, its nodes in the other order: what is told of sides and directions changes sides.
+void turn_round(RoadPath& path);
+
+[[nodiscard]] Polyline centerline(const RoadPath& path);
+/// Ring of the carriageway polygon of a path: half the width to each side.
+[[nodiscard]] Ring surface_ring(const RoadPath& path);
+/// The same surface as one convex ring a segment: their union is right also where a tight bend folds the ring over
+/// itself.
+[[nodiscard]] std::vector<Ring> surface_cells(const RoadPath& path);
+
+}  // namespace orthodrive

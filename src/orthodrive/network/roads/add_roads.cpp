@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/median.hpp"
+#include "orthodrive/network/curves/crown_shape.hpp"
+#include "orthodrive/network/lanes/lanes.hpp"
+#include "orthodrive/network/line/road_cuts.hpp"
+#include "orthodrive/network/roads/road_parts.hpp"
+#include "roadquery/road_surface.hpp"
+
+namespace orthodrive::network {
+namespace {
+
+using roadquery::ContactPoint;
+using roadquery::LinkKind;
+using roadquery::Road;
+using roadquery::RoadLink;
+using roadquery::RoadMap;
+
+constexpr double kmh_per_mps = 3.6;
+
+std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
+
+/// In multiples of a centimetre: nobody measures more, and lanes that keep their width are written as such.
+std::vector<ProfileSample> widths_between(const ChainGeometry& geometry, std::size_t piece, double s0, double s1) {
+  constexpr double unit_m = 0.01;
+  std::vector<ProfileSample> samples{{0.0, width_at(geometry, s0)}};
+  for (const ProfileSample& sample : geometry.widths[piece])
+    if (sample.s > s0 + 1e-3 && sample.s < s1 - 1e-3) samples.push_back({sample.s - s0, sample.value});
+  samples.push_back({s1 - s0, width_at(geometry, s1)});
+  for (ProfileSample& sample : samples) sample.value = std::round(sample.value / unit_m) * unit_m;
+  return samples;
+}
+
+double median_value(const std::vector<ProfileSample>& samples) {
+  std::vector<double> values;
+  values.reserve(samples.size());
+  for (const ProfileSample& sample : samples) values.push_back(sample.value);
+  return median(std::move(values));
+}
+
+/// A road that still lacks its lanes: those depend on the roads it is linked to.
+struct Draft {
+  std::size_t path = 0;
+  bool reversed = false;  ///< the chain runs against the road
+  LaneLayout layout;
+  std::vector<ProfileSample> widths;
+  std::vector<roadquery::Cubic> crown;  ///< along the road; its tangent
+  std::optional<RoadEndLanes> start, end;
+  LaneRests rests;
+  std::optional<LaneRests> start_rests, end_rests;
+};
+
+const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[draft.path]; }
+
+Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1, Road& road) {
+  const ChainGeometry& geometry = plan.geometry[chain];
+  const std::size_t k = piece_at(geometry, 0.5 * (s0 + s1));
+  const DirectedPiece part = plan.topology.chains[chain].pieces[k];
+  Draft draft{.path = plan.topology.pieces[part.piece].path,
+              .reversed = part.reversed,
+              .widths = widths_between(geometry, k, s0, s1)};
+  const RoadPath& path = path_of(plan, draft);
+  const double median_m = median_value(geometry.widths[k]);
+  draft.layout = lane_layout(path, median_m, plan.options.driving_side);
+  draft.rests = lane_rests(path, draft.layout, median_m, plan.options.driving_side);
+
+  road.name = path.name;
+  road.driving_side = plan.options.driving_side;
+  road.osm_id = std::to_string(path.osm_id);
+  road.highway = path.highway;
+  road.layer = path.layer, road.bridge = path.bridge, road.tunnel = path.tunnel;
+  road.speed_limit_mps =
+      (path.speed_limit_kmh > 0.0 ? path.speed_limit_kmh : default_speed_limit_kmh(path.highway)) / kmh_per_mps;
+  road.plan = slice_plan(geometry.plan, s0, s1);
+  road.length = plan_length(road.plan);
+  road.elevation = slice_profile(geometry.elevation, s0, s1);
+  road.superelevation = slice_profile(geometry.superelevation, s0, s1);
+  draft.crown = slice_profile(geometry.crown, s0, s1);
+  if (part.reversed) {
+    road.plan = reverse_plan(road.plan);
+    road.elevation = reverse_profile(road.elevation, road.length);
+    road.superelevation = reverse_profile(road.superelevation, road.length, -1.0);
+    draft.crown = reverse_profile(draft.crown, road.length);
+    std::reverse(draft.widths.begin(), draft.widths.end());
+    for (ProfileSample& sample : draft.widths) sample.s = (s1 - s0) - sample.s;
+  }
+  const double left =
+      plan.options.driving_side == DrivingSide::left ? -1.0 : 1.0;  // the inner edge of a one-way road's lanes
+  road.plan = divide_slivers(std::move(road.plan),
+                             path.oneway == Oneway::forward ? left * 0.5 * median_value(draft.widths) : 0.0);
+  return draft;
+}
+
+/// One end of a road.
+struct LinkedEnd {
+  int road = 0;
+  bool at_end = false;
+};
+
+void set_link(RoadMap& map, LinkedEnd end, RoadLink link) {
+  Road& road = map.roads[index_of(end.road)];
+  (end.at_end ? road.successor : road.predecessor) = link;
+}
+
+void report_reduced_lanes(const NetworkPlan& plan, const Draft& draft, Findings& findings) {
+  const RoadPath& path = path_of(plan, draft);
+  const Vec2 p = path.nodes[path.nodes.size() / 2].p;
+  std::vector<double> given;  // who reads it knows the width of the map or the photo, not that of the lanes
+  for (const RoadNode& node : plan.given.paths[draft.path].nodes) given.push_back(node.width_m);
+  findings.push_back({Severity::warning, "network.too_many_lanes",
+                      fmt::format("way {}: {} lanes do not fit in {:.1f} m, took {}", path.osm_id,
+                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward),
+                                  std::min(median(std::move(given)), median_value(draft.widths)), draft.layout.total()),
+                      p.x, p.y});
+}
+
+OpenLanes& open_lanes(RoadEndLanes& lanes, bool left) { return left ? lanes.left : lanes.right; }
+
+/// Lanes for the oncoming side's turns at the far end of the road that these lanes drive: they open inside.
+int inner_turn_lanes(const NetworkPlan& plan, const Draft& draft, bool forward) {
+  const unsigned inner = plan.options.driving_side == DrivingSide::left ? turn_right : turn_left;
+  int count = 0;
+  for (const unsigned bits : turn_lanes(path_of(plan, draft), forward, plan.options.driving_side)) {
+    if (bits != inner) break;
+    ++count;
+  }
+  return count;
+}
+
+/// Settles which lanes are open where two roads are linked, in both directions.
+void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool b_at_end) {
+  RoadEndLanes open_a, open_b;
+  // Lanes on the left of road s run against s where one drives on the right.
+  const bool left_is_forward = plan.options.driving_side == DrivingSide::left;
+  const auto side_is_left = [&](bool forward) { return forward == left_is_forward; };
+  for (const bool out_of_a : {true, false}) {
+    const bool a_left = side_is_left(out_of_a == a_at_end), b_left = side_is_left(out_of_a != b_at_end);
+    const int n_a = a_left ? a.layout.left : a.layout.right, n_b = b_left ? b.layout.left : b.layout.right;
+    const Draft& to = out_of_a ? b : a;
+    const int inner = inner_turn_lanes(plan, to, out_of_a ? !b_at_end : !a_at_end);
+    const LaneMatch match = out_of_a ? match_lanes(n_a, n_b, inner) : match_lanes(n_b, n_a, inner);
+    open_lanes(open_a, a_left) = out_of_a ? match.from : match.to;
+    open_lanes(open_b, b_left) = out_of_a ? match.to : match.from;
+  }
+  if (open_a.left.count + open_a.right.count == 0) return;  // one-way roads that face each other
+  (a_at_end ? a.end : a.start) = open_a;
+  (b_at_end ? b.end : b.start) = open_b;
+  const bool same_direction = a_at_end != b_at_end;
+  (a_at_end ? a.end_rests : a.start_rests) = rests_at_joint(a.rests, b.rests, same_direction);
+  (b_at_end ? b.end_rests : b.start_rests) = rests_at_joint(b.rests, a.rests, same_direction);
+}
+
+/// Whether two lanes outside the driven ones are one. Strips that end at the joint are not.
+bool goes_on(const roadquery::Lane& from, const Road& a, bool a_at_end, const roadquery::Lane& to, const Road& b,
+             bool b_at_end) {
+  constexpr double least_m = 1e-3;
+  return from.type == to.type && from.type != roadquery::LaneType::driving &&
+         roadquery::lane_width(from, a_at_end ? a.length : 0.0) > least_m &&
+         roadquery::lane_width(to, b_at_end ? b.length : 0.0) > least_m;
+}
+
+/// Links the open lanes of a side to those of the other road, and the strips and walks beside them.
+void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left,
+               OpenLanes open_b) {
+  using roadquery::Lane;
+  std::vector<Lane>& lanes_a = a_left ? a.sections.front().left : a.sections.front().right;
+  std::vector<Lane>& lanes_b = b_left ? b.sections.front().left : b.sections.front().right;
+  const auto link = [&](Lane& from, Lane& to) {
+    (a_at_end ? from.successor : from.predecessor) = to.id;
+    (b_at_end ? to.successor : to.predecessor) = from.id;
+  };
+  for (int i = 0; i < open_a.count; ++i) link(lanes_a[index_of(open_a.first + i)], lanes_b[index_of(open_b.first + i)]);
+  for (Lane& from : lanes_a)
+    for (Lane& to : lanes_b)
+      if (goes_on(from, a, a_at_end, to, b, b_at_end)) link(from, to);
+}
+
+void link_roads(RoadMap& map, LinkedEnd a, const Draft& draft_a, LinkedEnd b, const Draft& draft_b) {
+  const auto contact = [](LinkedEnd e) { return e.at_end ? ContactPoint::end : ContactPoint::start; };
+  set_link(map, a, {LinkKind::road, map.roads[index_of(b.road)].id, contact(b)});
+  set_link(map, b, {LinkKind::road, map.roads[index_of(a.road)].id, contact(a)});
+  const std::optional<RoadEndLanes>& open_a = a.at_end ? draft_a.end : draft_a.start;
+  const std::optional<RoadEndLanes>& open_b = b.at_end ? draft_b.end : draft_b.start;
+  if (!open_a || !open_b) return;
+  for (const bool a_left : {true, false}) {
+    const bool b_left = a_left == (a.at_end != b.at_end);
+    link_side(map.roads[index_of(a.road)], a.at_end, a_left, a_left ? open_a->left : open_a->right,
+              map.roads[index_of(b.road)], b.at_end, b_left, b_left ? open_b->left : open_b->right);
+  }
+}
+
+/// Lanes and direct links of the roads of a stretch, `drafts` in the order along the chain; a ring's last one leads
+/// into its first.
+void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, std::vector<Draft>& drafts, bool ring) {
+  const std::size_t joints = drafts.size() - (ring ? 0 : 1);
+  const auto next = [&](std::size_t k) { return (k + 1) % drafts.size(); };
+  for (std::size_t k = 0; k < joints; ++k)
+    match_ends(plan, drafts[k], !drafts[k].reversed, drafts[next(k)], drafts[next(k)].reversed);
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    const Draft& draft = drafts[k];
+    const RoadPath& path = path_of(plan, draft);
+    Road& road = map.roads[index_of(first_road) + k];
+    add_lanes(road, draft.layout, draft.widths,
+              {plan.options.width_tolerance_m, path.sidewalk, draft.rests, draft.start, draft.end, draft.start_rests,
+               draft.end_rests});
+    set_material(road, path.known_surface.surface, plan.options.weather);
+    add_crown(road, draft.crown, plan.options.shape_tolerance_m, max_rate_jump_of(road));
+  }
+  for (std::size_t k = 0; k < joints; ++k)
+    link_roads(map, {first_road + static_cast<int>(k), !drafts[k].reversed}, drafts[k],
+               {first_road + static_cast<int>(next(k)), drafts[next(k)].reversed}, drafts[next(k)]);
+}
+
+/// The roads of one stretch, along its chain.
+struct StretchRoads {
+  LinkedEnd begin, end;  ///< where the stretch begins and ends
+  std::size_t first_path = 0, last_path = 0;
+};
+
+StretchRoads add_stretch(const NetworkPlan& plan, const Stretch& stretch, const std::vector<double>& cuts, RoadMap& map,
+                         std::set<std::size_t>& told, Findings& findings) {
+  const int first_road = static_cast<int>(map.roads.size());
+  std::vector<Draft> drafts;
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    map.roads.emplace_back();
+    drafts.push_back(draft_road(plan, stretch.chain, cuts[k], cuts[k + 1], map.roads.back()));
+    map.roads.back().id = static_cast<int>(map.roads.size());
+    if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
+      report_reduced_lanes(plan, drafts.back(), findings);
+  }
+  add_stretch_lanes(plan, map, first_road, drafts, plan.geometry[stretch.chain].closed && !stretch.vertex0);
+  const int last_road = static_cast<int>(map.roads.size()) - 1;
+  return {{first_road, drafts.front().reversed},
+          {last_road, !drafts.back().reversed},
+          drafts.front().path,
+          drafts.back().path};
+}
+
+/// The ends at every junction, and between which of them a chain runs on.
+class JunctionEnds {
+ public:
+  explicit JunctionEnds(const NetworkPlan& plan) : plan_(plan), ends_(index_of(plan.junctions.junctions)) {}
+
+  /// Stretches in order, each with its roads.
+  void add(std::size_t index, const std::vector<double>& cuts, const StretchRoads& roads) {
+    const Stretch& stretch = plan_.junctions.stretches[index];
+    begin_chain(stretch.chain);
+    if (stretch.vertex0) {
+      const EndInJunction begin =
+          add_end({roads.begin.road, roads.begin.at_end, stretch.vertex0, index, true, cuts.front(), roads.first_path});
+      if (left_.end >= 0)
+        connect(left_, begin);
+      else
+        first_ = begin;
+    }
+    left_ = {};
+    if (stretch.vertex1)
+      left_ = add_end({roads.end.road, roads.end.at_end, stretch.vertex1, index, false, cuts.back(), roads.last_path});
+  }
+  std::vector<std::vector<JunctionEnd>> take() {
+    close_chain();
+    return std::move(ends_);
+  }
+
+ private:
+  struct EndInJunction {
+    int junction = -1, end = -1;
+  };
+  void begin_chain(ChainIndex chain) {
+    if (chain == chain_) return;
+    close_chain();
+    chain_ = chain, left_ = first_ = {};
+  }
+  void close_chain() {
+    if (chain_ && plan_.geometry[chain_].closed && left_.end >= 0 && first_.end >= 0) connect(first_, left_);
+  }
+  EndInJunction add_end(const JunctionEnd& end) {
+    const int junction = plan_.junctions.junction_of_vertex[end.vertex];
+    ends_[index_of(junction)].push_back(end);
+    return {junction, static_cast<int>(ends_[index_of(junction)].size()) - 1};
+  }
+  void connect(EndInJunction a, EndInJunction b) {
+    std::vector<JunctionEnd>& junction = ends_[index_of(b.junction)];
+    junction[index_of(a.end)].through = b.end;
+    junction[index_of(b.end)].through = a.end;
+  }
+
+  const NetworkPlan& plan_;
+  std::vector<std::vector<JunctionEnd>> ends_;
+  ChainIndex chain_;
+  // The chain runs on from the end that it left last into the next one; a closed chain's last end into its first.
+  EndInJunction left_, first_;
+};
+
+}  // namespace
+
+std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
+  std::set<std::size_t> told;  // paths whose lanes were reduced
+  JunctionEnds ends(plan);
+  for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
+    const Stretch& stretch = plan.junctions.stretches[i];
+    if (!stretch.inside) ends.add(i, plan.cuts[i], add_stretch(plan, stretch, plan.cuts[i], map, told, findings));
+  }
+  return ends.take();
+}
+
+}  // namespace orthodrive::network

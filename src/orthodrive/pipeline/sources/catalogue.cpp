@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "orthodrive/pipeline/sources/catalogue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/closest_word.hpp"
+#include "orthodrive/core/find_resource.hpp"
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/io/support/read_file.hpp"
+#include "orthodrive/pipeline/files/toml_section.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double most_cells = 10000;
+const std::vector<std::string> kinds{"wmts", "xyz", "tms", "wms", "cog", "overpass", "osm_extract", "raster"};
+
+Ring read_ring(const TomlSection& section, const toml::node& node) {
+  Ring ring;
+  if (!node.is_array()) section.fail(node, "'rings' must be a list of rings");
+  for (const toml::node& item : *node.as_array()) {
+    const toml::array* point = item.as_array();
+    const auto lon = point && point->size() == 2 ? (*point)[0].value<double>() : std::nullopt;
+    const auto lat = lon ? (*point)[1].value<double>() : std::nullopt;
+    if (!lat || std::abs(*lon) > 180.0 || std::abs(*lat) > 90.0)
+      section.fail(item, "'rings' must hold [longitude, latitude]");
+    ring.push_back({*lon, *lat});
+  }
+  if (ring.size() < 4 || ring.front() != ring.back())
+    section.fail(node, "a ring needs three corners and its first one again at its end");
+  ring.pop_back();
+  return ring;
+}
+
+CatalogueArea read_area_entry(TomlSection& section) {
+  CatalogueArea area;
+  for (const char* key : {"id", "name", "rings"}) section.require(key);
+  section.read("id", area.id);
+  section.read("name", area.name);
+  section.read("geofabrik", area.geofabrik);
+  const toml::node* rings = section.find("rings");
+  if (!rings->is_array()) section.fail(*rings, "'rings' must be a list of rings");
+  for (const toml::node& ring : *rings->as_array()) area.outline.push_back({read_ring(section, ring), {}});
+  if (area.outline.empty()) section.fail(*rings, "'rings' is empty");
+  return area;
+}
+
+void read_cells(TomlSection& section, CatalogueSource& source) {
+  if (!section.find_table("cells")) return;
+  TomlSection cells = section.section("cells");
+  source.cells.emplace();
+  cells.read("crs", source.cells->crs);
+  cells.read("size", source.cells->size);
+  cells.finish();
+  for (const char* key : {"crs", "size"}) cells.require(key);
+  cells.at("crs", [&] { (void)proj_string({source.cells->crs}); });
+  if (!(source.cells->size > 0.0)) cells.fail_at("size", "must be greater than 0");
+}
+
+void read_address(TomlSection& section, CatalogueSource& source) {
+  section.read_choice("kind", source.kind, kinds);
+  section.read("url", source.url);
+  section.read("layer", source.layer);
+  section.read("style", source.style);
+  section.read("format", source.format);
+  section.read("tile_matrix_set", source.tile_matrix_set);
+  section.read("time", source.time);
+  section.read("subdomains", source.subdomains);
+  for (const auto& [key, zoom] : {std::pair{"min_zoom", &source.min_zoom}, {"max_zoom", &source.max_zoom}}) {
+    if (!section.has(key)) continue;
+    zoom->emplace(0);
+    section.read(key, **zoom);
+  }
+  section.read("resolution_m", source.resolution_m);
+  read_cells(section, source);
+}
+
+void check_source(const TomlSection& section, const CatalogueSource& source, const Catalogue& catalogue) {
+  if (!source.url.starts_with("https://")) section.fail_at("url", "must begin with https://");
+  if (source.what != "osm" && !(source.resolution_m > 0.0)) section.fail_at("resolution_m", "must be greater than 0");
+  const bool is_osm_kind = source.kind == "overpass" || source.kind == "osm_extract";
+  if ((source.what == "osm") != is_osm_kind)
+    section.fail_at("kind", fmt::format("is '{}', which is no kind of {}", source.kind, source.what));
+  if (source.what == "terrain" && (source.vertical_datum.empty() || source.vertical_unit.empty()))
+    section.fail_here(fmt::format("'{}' is terrain and needs vertical_datum and vertical_unit", source.id));
+  if (!source.automatic && source.note.empty())
+    section.fail_here(fmt::format("'{}' is not automatic and needs a note that says how to get it", source.id));
+  std::vector<std::string> known{"world"};
+  for (const CatalogueArea& area : catalogue.areas) known.push_back(area.id);
+  for (const std::string& area : source.areas)
+    if (std::find(known.begin(), known.end(), area) == known.end())
+      section.fail_at("areas",
+                      fmt::format("names '{}', which areas.toml does not have{}", area, suggestion(area, known)));
+  if (source.areas.empty()) section.fail_at("areas", "is empty");
+}
+
+CatalogueSource read_source(TomlSection& section, const std::string& what, const Catalogue& catalogue) {
+  CatalogueSource source;
+  for (const char* key : {"id", "name", "what", "areas", "kind", "url", "licence", "attribution", "checked"})
+    section.require(key);
+  section.read("id", source.id);
+  section.read("name", source.name);
+  section.read_choice("what", source.what, {what});
+  section.read("areas", source.areas);
+  read_address(section, source);
+  section.read("licence", source.licence);
+  section.read("licence_url", source.licence_url);
+  section.read("attribution", source.attribution);
+  section.read("vertical_datum", source.vertical_datum);
+  section.read_choice("vertical_unit", source.vertical_unit, {"m", "ft", "us-ft"});
+  section.read("surface", source.surface);
+  section.read("automatic", source.automatic);
+  section.read("most_km2", source.most_km2);
+  section.read("note", source.note);
+  section.read_choice("checked", source.checked, {"documentation", "use", "memory"});
+  section.read("checked_against", source.checked_against);
+  section.finish();
+  check_source(section, source, catalogue);
+  return source;
+}
+
+template <typename Entry, typename Read>
+void read_entries(const fs::path& file, const char* key, std::vector<Entry>& entries, const Read& read) {
+  if (!fs::is_regular_file(file)) throw InputError(file.string(), "no such file; install the catalogue again");
+  const toml::table table = parse_toml(io::read_file(file), file);
+  TomlSection root(table, file);
+  root.for_each_table(key, [&](TomlSection& section) {
+    Entry entry = read(section);
+    for (const Entry& other : entries)
+      if (other.id == entry.id) section.fail_at("id", fmt::format("'{}' is there already", entry.id));
+    entries.push_back(std::move(entry));
+  });
+  root.finish();
+}
+
+bool lies_in(const Catalogue& catalogue, const CatalogueSource& source, Vec2 p) {
+  for (const std::string& id : source.areas) {
+    if (id == "world") return true;
+    for (const CatalogueArea& area : catalogue.areas)
+      if (area.id == id && contains(area.outline, p)) return true;
+  }
+  return false;
+}
+
+/// Corners, and places in a grid over the bounds.
+std::vector<Vec2> samples_of(const Polygon& lonlat) {
+  constexpr int steps = 16;
+  std::vector<Vec2> samples = lonlat.outer;
+  const Box2 box = bounds_of(lonlat.outer);
+  for (int i = 0; i < steps; ++i)
+    for (int k = 0; k < steps; ++k) {
+      const Vec2 p{box.min_x + box.width() * (i + 0.5) / steps, box.min_y + box.height() * (k + 0.5) / steps};
+      if (contains(lonlat, p)) samples.push_back(p);
+    }
+  return samples;
+}
+
+std::string cell_url(const CatalogueSource& source, double west, double south) {
+  const double size = source.cells->size;
+  const auto corner = [](double lat, double lon, const char* north_south, const char* east_west, const char* between) {
+    return fmt::format("{}{:02.0f}{}{}{:03.0f}", north_south[lat < 0.0 ? 1 : 0], std::abs(lat), between,
+                       east_west[lon < 0.0 ? 1 : 0], std::abs(lon));
+  };
+  const auto number = [](double value) { return fmt::format("{:.12g}", value); };
+  const auto pixels = static_cast<int>(std::lround(size / source.resolution_m));
+  const std::pair<const char*, std::string> fields[] = {{"{west}", number(west)},
+                                                        {"{south}", number(south)},
+                                                        {"{east}", number(west + size)},
+                                                        {"{north}", number(south + size)},
+                                                        {"{west_km}", number(west / 1000.0)},
+                                                        {"{south_km}", number(south / 1000.0)},
+                                                        {"{width}", fmt::format("{}", pixels)},
+                                                        {"{height}", fmt::format("{}", pixels)},
+                                                        {"{sw}", corner(south, west, "NS", "EW", "_00_") + "_00"},
+                                                        {"{nw}", corner(south + size, west, "ns", "ew", "")}};
+  std::string url = source.url;
+  for (const auto& [field, text] : fields)
+    for (auto at = url.find(field); at != std::string::npos; at = url.find(field, at + text.size()))
+      url.replace(at, std::string_view(field).size(), text);
+  return url;
+}
+
+}  // namespace
+
+Catalogue read_catalogue(const fs::path& folder) {
+  Catalogue catalogue;
+  read_entries(folder / "areas.toml", "area", catalogue.areas, read_area_entry);
+  for (const char* what : {"photo", "terrain", "osm"})
+    read_entries(folder / (std::string(what) + ".toml"), "source", catalogue.sources,
+                 [&](TomlSection& section) { return read_source(section, what, catalogue); });
+  return catalogue;
+}
+
+fs::path catalogue_folder() {
+  return find_resource(resource_folders("catalogue", "catalogue"), "areas.toml", "catalogue",
+                       "install the tool again, or name the folder with --catalogue")
+      .parent_path();
+}
+
+double coverage_of(const Catalogue& catalogue, const CatalogueSource& source, const Polygon& lonlat) {
+  const std::vector<Vec2> samples = samples_of(lonlat);
+  const auto inside =
+      std::count_if(samples.begin(), samples.end(), [&](Vec2 p) { return lies_in(catalogue, source, p); });
+  return static_cast<double>(inside) / static_cast<double>(samples.size());
+}
+
+const CatalogueArea* extract_area(const Catalogue& catalogue, const Polygon& lonlat) {
+  const std::vector<Vec2> samples = samples_of(lonlat);
+  const CatalogueArea* smallest = nullptr;
+  double least = 0.0;
+  for (const CatalogueArea& area : catalogue.areas) {
+    if (area.geofabrik.empty()) continue;
+    if (!std::all_of(samples.begin(), samples.end(), [&](Vec2 p) { return contains(area.outline, p); })) continue;
+    double size = 0.0;
+    for (const Polygon& part : area.outline) size += area_m2(part);
+    if (smallest && size >= least) continue;
+    smallest = &area;
+    least = size;
+  }
+  return smallest;
+}
+
+std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon& lonlat) {
+  if (!source.cells) return {source.url};
+  const CoordinateTransform cells_from_lonlat(Crs{"EPSG:4326"}, Crs{source.cells->crs});
+  Ring placed;
+  for (std::size_t i = 0; i < lonlat.outer.size(); ++i) {  // with places along the edges: they are bent there
+    const Vec2 from = lonlat.outer[i], along = lonlat.outer[(i + 1) % lonlat.outer.size()] - from;
+    for (int k = 0; k < 8; ++k) placed.push_back(cells_from_lonlat.target_from_source(from + along * (k / 8.0)));
+  }
+  const double size = source.cells->size;
+  // Terrain is read 50 m beyond the area. Cells of degrees are too large to take one more for that.
+  const bool in_degrees = proj_string({source.cells->crs}).find("+proj=longlat") != std::string::npos;
+  const Box2 box = bounds_of(placed).grown(in_degrees ? 0.0 : 100.0);
+  const double west = std::floor(box.min_x / size), south = std::floor(box.min_y / size),
+               east = std::ceil(box.max_x / size), north = std::ceil(box.max_y / size);
+  if ((east - west) * (north - south) > most_cells)
+    throw OptionError(fmt::format("the area needs {:.0f} squares of {}, more than {:.0f}; give a smaller one",
+                                  (east - west) * (north - south), source.id, most_cells));
+  std::vector<std::string> urls;
+  for (double row = south; row < north; ++row)
+    for (double col = west; col < east; ++col) urls.push_back(cell_url(source, col * size, row * size));
+  return urls;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The catalogue of open sources: photos, terrain models and OSM, with licence, resolution and area. Text files of the
+// folder catalogue/; docs/new.md says how to add one.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+
+namespace orthodrive {
+
+/// A country or state: coarse outline in degrees of WGS84, some kilometres outside the border.
+struct CatalogueArea {
+  std::string id, name;
+  std::string geofabrik;  ///< path of its OSM extract at download.geofabrik.de; empty: none
+  MultiPolygon outline;
+};
+
+/// The squares in which a server keeps its data, or in which it is asked for them.
+struct SourceCells {
+  std::string crs;
+  double size = 0.0;  ///< edge, in the unit of the CRS; corners are at its multiples
+};
+
+struct CatalogueSource {
+  std::string id, name;
+  std::string what;                ///< photo | terrain | osm
+  std::vector<std::string> areas;  ///< ids of areas, or "world"
+  /// As in a [[fetch]] table. The url may hold fields of cells: cell_urls.
+  std::string kind, url, layer, style, format, tile_matrix_set, time, subdomains;
+  std::optional<int> min_zoom, max_zoom;
+  double resolution_m = 0.0;  ///< of the data, m; 0 for OSM
+  std::string licence, licence_url, attribution;
+  std::string vertical_datum, vertical_unit;  ///< of terrain
+  std::optional<SourceCells> cells;
+  bool surface = false;   ///< a surface model: with woods and houses
+  bool automatic = true;  ///< whether `orthodrive fetch` can get it; else `note` says how to
+  double most_km2 = 0.0;  ///< larger sites should take another source; 0: no limit
+  std::string note;       ///< keys, terms, traps
+  std::string checked;    ///< documentation | use | memory
+  std::string checked_against;
+};
+
+struct Catalogue {
+  std::vector<CatalogueArea> areas;
+  std::vector<CatalogueSource> sources;
+};
+
+/// Reads areas.toml, photo.toml, terrain.toml and osm.toml of a folder. Throws InputError with file, line and key for
+/// whatever is wrong in them: unknown keys, kinds and areas, ids that are there twice, terrain without a datum.
+[[nodiscard]] Catalogue read_catalogue(const std::filesystem::path& folder);
+/// The folder that is installed with the tool, or that of the source tree.
+[[nodiscard]] std::filesystem::path catalogue_folder();
+
+/// Share of the polygon of degrees inside the areas of a source, 0 to 1; by sampled points.
+[[nodiscard]] double coverage_of(const Catalogue& catalogue, const CatalogueSource& source, const Polygon& lonlat);
+
+/// The smallest area with an OSM extract that holds the whole polygon; null: none.
+[[nodiscard]] const CatalogueArea* extract_area(const Catalogue& catalogue, const Polygon& lonlat);
+
+/// The addresses of a source for a polygon of degrees: one per cell that overlaps its bounds, south-west first; the url
+/// itself for sources without cells. Fields of the url: {west} {south} {east} {north} (unit of the CRS), {west_km}
+/// {south_km}, {width} {height} (pixels at resolution_m), {sw} ("N48_00_E011_00"), {nw} ("n49w106").
+/// Throws OptionError for more than 10000 cells.
+[[nodiscard]] std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon& lonlat);
+
+}  // namespace orthodrive

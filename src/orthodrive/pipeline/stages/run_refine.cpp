@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "orthodrive/pipeline/stages/run_refine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/models/alignment_io.hpp"
+#include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/support/read_file.hpp"
+#include "orthodrive/io/support/vector_io.hpp"
+#include "orthodrive/pipeline/files/refine_files.hpp"
+#include "orthodrive/pipeline/training/parts.hpp"
+#include "orthodrive/refine/kerb_radius.hpp"
+#include "orthodrive/refine/photo_surface.hpp"
+#include "orthodrive/roads/dense_nodes.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr double node_distance_m = 2.0;  // of unrefined roads, as the default method's
+
+void check_files(const RefineFiles& files, RefineMethod method) {
+  if (method != RefineMethod::mrf && files.labels.empty()) throw OptionError("refine: needs --labels");
+  if (method == RefineMethod::mrf && (files.photo.empty() || files.forests.empty()))
+    throw OptionError("refine: --method mrf needs --photo and --forests (`orthodrive forests` makes them)");
+}
+
+RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  const std::string text = io::read_file(files.forests);
+  const ForestsPart& part = forests_part();
+  const RoadForests forests = part.load_road_forests(text, files.forests.string());
+  const SiteFrame site = options.site ? *options.site : site_of_photos({files.photo});
+  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
+  const OsmRoads& osm = context.sources.osm(files.osm, site);
+  MrfRoadsOptions mrf = options.mrf;
+  mrf.threads = context.threads;
+  MrfRoadsResult result =
+      part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}), mrf, context.monitor);
+  Findings findings = osm.findings;
+  append(findings, result.findings);
+  return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};
+}
+
+RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  RefineRoadsOptions standard = options.standard;
+  standard.threads = context.threads;
+  standard.exchange = context.exchange;
+  NloRoadsOptions nlo = options.nlo;
+  nlo.threads = context.threads;
+  if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
+  const LabelMap labels = io::read_labels(files.labels);
+  const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
+  const OsmRoads& osm = context.sources.osm(files.osm, site);
+  const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
+  RefinedRoads result =
+      options.method == RefineMethod::none ? RefinedRoads{.roads = with_nodes_every(osm.roads, node_distance_m)}
+      : options.method == RefineMethod::nlo
+          ? refine_roads_nlo(osm.roads, labels, nlo, context.monitor)
+          : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
+                         gpx.traces,
+                         files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
+  classify_by_photo(result.roads, labels);
+  measure_kerb_radii(result.roads, labels);
+  Findings findings = osm.findings;
+  append(findings, gpx.findings);
+  append(findings, result.findings);
+  result.findings = std::move(findings);
+  return result;
+}
+
+/// Mean over all nodes; they lie about 2 m apart everywhere.
+template <typename Value>
+double mean_over_nodes(const RoadNetwork& roads, const Value& value) {
+  double sum = 0.0, count = 0.0;
+  for (const RoadPath& path : roads.paths)
+    for (const RoadNode& node : path.nodes) sum += value(node), count += 1.0;
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+StageOutcome outcome_of(const RefinedRoads& refined, const RefineFiles& files) {
+  const RoadNetwork& roads = refined.roads;
+  std::size_t nodes = 0;
+  for (const RoadPath& path : roads.paths) nodes += path.nodes.size();
+  const double offset_m = mean_over_nodes(roads, [](const RoadNode& n) { return std::abs(n.offset_m); });
+  return {
+      .numbers = {{"ways", roads.paths.size()},
+                  {"mean_abs_offset_m", offset_m},
+                  {"mean_sigma_offset_m", mean_over_nodes(roads, [](const RoadNode& n) { return n.sigma_offset_m; })},
+                  {"mean_sigma_width_m", mean_over_nodes(roads, [](const RoadNode& n) { return n.sigma_width_m; })},
+                  {"converged", refined.solve.converged},
+                  {"iterations", refined.solve.iterations}},
+      .findings = refined.findings,
+      .summary = {fmt::format("{}: {} ways, {} nodes, moved by {:.2f} m on average", files.roads.string(),
+                              roads.paths.size(), nodes, offset_m)}};
+}
+}  // namespace
+
+StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  check_files(files, options.method);
+  const RefinedRoads refined = options.method == RefineMethod::mrf ? refine_in_photo(files, options, context)
+                                                                   : refine_in_labels(files, options, context);
+  io::write_roads(files.roads, refined.roads);
+  return outcome_of(refined, files);
+}
+
+void help_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  (void)refine_in_labels(files, options, context);
+}
+
+BuildStage refine_stage(SiteBuild& build) {
+  const Site& site = build.site;
+  const Sources::Files weights = site.refine_weights.empty() ? Sources::Files{} : Sources::Files{site.refine_weights};
+  nlohmann::json options = frame_options(site.frame);
+  options["refine.driving_side"] = to_string(site.driving_side);
+  const RefineFiles files{.osm = site.osm,
+                          .labels = build.out_dir / "labels.tif",
+                          .road_probability = build.out_dir / "road_probability.tif",
+                          .alignment = build.out_dir / ".orthodrive/alignment.csv",
+                          .weights = site.refine_weights,
+                          .gpx = site.gpx,
+                          .roads = build.out_dir / ".orthodrive/refined.gpkg"};
+  const RunRefineOptions run{.site = site.frame, .standard = {.driving_side = site.driving_side}};
+  return {.name = "refine",
+          .version = 9,
+          .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
+          .options = options,
+          .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
+          .outputs = {".orthodrive/refined.gpkg"},
+          .check =
+              [&build, &site] {
+                (void)build.context.sources.osm(site.osm, site.frame);
+                (void)build.context.sources.gpx(site.gpx, site.frame);
+                if (!site.refine_weights.empty()) (void)read_refine_weights(site.refine_weights);
+              },
+          .run = [=, &build] { return run_refine(files, run, build.context); },
+          .help = [=, &build] { help_refine(files, run, build.context); }};
+}
+
+}  // namespace orthodrive
