@@ -117,6 +117,33 @@ TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
               HasSubstr("site.toml:8: 'refine.driving_side' must be right or left, not 'up'"));
 }
 
+/// The place and name of a site that says nothing of it.
+TEST(Site, one_drives_where_the_country_of_the_place_says) {
+  const auto side_at = [](const std::string& box, const std::string& more = "") {
+    return read_site(site_file("[area]\nbbox_wgs84 = [" + box + "]\n" + sources + more));
+  };
+  const Site london = side_at("-0.13, 51.50, -0.11, 51.51");
+  EXPECT_EQ(london.driving_side, DrivingSide::left);
+  ASSERT_EQ(london.findings.size(), 1u);
+  EXPECT_EQ(london.findings[0].code, "site.driving_side");
+  EXPECT_EQ(london.findings[0].severity, Severity::info);
+  EXPECT_EQ(london.findings[0].message, "one drives on the left here (United Kingdom)");
+  EXPECT_NEAR(london.findings[0].x_m, 699000.0, 1000.0);  // on the map, in UTM 30
+  EXPECT_EQ(side_at("139.69, 35.68, 139.71, 35.69").driving_side, DrivingSide::left);
+  EXPECT_EQ(side_at("151.20, -33.88, 151.21, -33.87").driving_side, DrivingSide::left);
+  EXPECT_EQ(side_at("33.35, 35.17, 33.36, 35.18").driving_side, DrivingSide::left);
+  for (const char* right : {"1.85, 50.95, 1.86, 50.96", "114.05, 22.55, 114.06, 22.56", "-5.36, 36.13, -5.35, 36.14"}) {
+    EXPECT_EQ(side_at(right).driving_side, DrivingSide::right) << right;
+    EXPECT_TRUE(side_at(right).findings.empty()) << right;
+  }
+  const Site odd = side_at("-0.13, 51.50, -0.11, 51.51", "[refine]\ndriving_side = 'right'\n");
+  EXPECT_EQ(odd.driving_side, DrivingSide::right);
+  ASSERT_EQ(odd.findings.size(), 1u);
+  EXPECT_EQ(odd.findings[0].severity, Severity::warning);
+  EXPECT_EQ(odd.findings[0].message, "refine.driving_side is right, but one drives on the left here (United Kingdom)");
+  EXPECT_TRUE(side_at("-0.13, 51.50, -0.11, 51.51", "[refine]\ndriving_side = 'left'\n").findings.empty());
+}
+
 TEST(Site, network_files_are_chosen_in_their_section) {
   const Site plain = read_site(site_file(area + sources));
   EXPECT_TRUE(plain.crg.empty());

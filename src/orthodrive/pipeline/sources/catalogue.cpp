@@ -37,17 +37,35 @@ Ring read_ring(const TomlSection& section, const toml::node& node) {
   return ring;
 }
 
+MultiPolygon read_outline(TomlSection& section) {
+  MultiPolygon outline;
+  const toml::node* rings = section.find("rings");
+  if (!rings->is_array()) section.fail(*rings, "'rings' must be a list of rings");
+  for (const toml::node& ring : *rings->as_array()) outline.push_back({read_ring(section, ring), {}});
+  if (outline.empty()) section.fail(*rings, "'rings' is empty");
+  return outline;
+}
+
 CatalogueArea read_area_entry(TomlSection& section) {
   CatalogueArea area;
   for (const char* key : {"id", "name", "rings"}) section.require(key);
   section.read("id", area.id);
   section.read("name", area.name);
   section.read("geofabrik", area.geofabrik);
-  const toml::node* rings = section.find("rings");
-  if (!rings->is_array()) section.fail(*rings, "'rings' must be a list of rings");
-  for (const toml::node& ring : *rings->as_array()) area.outline.push_back({read_ring(section, ring), {}});
-  if (area.outline.empty()) section.fail(*rings, "'rings' is empty");
+  area.outline = read_outline(section);
   return area;
+}
+
+Country read_country(TomlSection& section) {
+  Country country;
+  for (const char* key : {"id", "name", "driving_side", "rings"}) section.require(key);
+  section.read("id", country.id);
+  section.read("name", country.name);
+  std::string side = "right";
+  section.read_choice("driving_side", side, {"right", "left"});
+  country.driving_side = driving_side_of(side);
+  country.outline = read_outline(section);
+  return country;
 }
 
 void read_cells(TomlSection& section, CatalogueSource& source) {
@@ -194,6 +212,17 @@ Catalogue read_catalogue(const fs::path& folder) {
     read_entries(folder / (std::string(what) + ".toml"), "source", catalogue.sources,
                  [&](TomlSection& section) { return read_source(section, what, catalogue); });
   return catalogue;
+}
+
+std::vector<Country> read_countries(const fs::path& folder) {
+  std::vector<Country> countries;
+  read_entries(folder / "countries.toml", "country", countries, read_country);
+  return countries;
+}
+
+const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat) {
+  const auto found = std::ranges::find_if(countries, [&](const Country& c) { return contains(c.outline, lonlat); });
+  return found == countries.end() ? nullptr : &*found;
 }
 
 fs::path catalogue_folder() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/roads/parse_driving_side.hpp"
 
 namespace orthodrive {
 
@@ -52,6 +53,17 @@ struct Catalogue {
 /// Reads areas.toml, photo.toml, terrain.toml and osm.toml of a folder. Throws InputError with file, line and key for
 /// whatever is wrong in them: unknown keys, kinds and areas, ids that are there twice, terrain without a datum.
 [[nodiscard]] Catalogue read_catalogue(const std::filesystem::path& folder);
+/// A country where one drives on the left; outline as of CatalogueArea.
+struct Country {
+  std::string id, name;  ///< ISO 3166-1; English
+  DrivingSide driving_side = DrivingSide::right;
+  MultiPolygon outline;
+};
+/// Reads countries.toml of a folder; throws as read_catalogue().
+[[nodiscard]] std::vector<Country> read_countries(const std::filesystem::path& folder);
+/// That of a place in degrees; null: none of these, where one drives on the right.
+[[nodiscard]] const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat);
+
 /// The folder that is installed with the tool, or that of the source tree.
 [[nodiscard]] std::filesystem::path catalogue_folder();
 

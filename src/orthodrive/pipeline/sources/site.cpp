@@ -7,10 +7,12 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/geo/crs.hpp"
 #include "orthodrive/io/osm/area_reader.hpp"
 #include "orthodrive/io/support/read_file.hpp"
 #include "orthodrive/model/site_area.hpp"
 #include "orthodrive/pipeline/files/toml_section.hpp"
+#include "orthodrive/pipeline/sources/catalogue.hpp"
 #include "orthodrive/pipeline/sources/site_fetch.hpp"
 
 namespace orthodrive {
@@ -156,6 +158,30 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
   if (site.dtm.empty()) sources.fail_at("dtm", "is an empty list; name a file");
 }
 
+/// Where the site file does not say it: that of the country in which the middle of the area lies.
+void read_driving_side(TomlSection& refine, Site& site) {
+  const Box2 box = bounds_of(site.frame.area.outer);
+  const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  const std::vector<Country> countries = read_countries(catalogue_folder());
+  const CoordinateTransform lonlat_from_site(site.frame.crs, Crs{"EPSG:4326"});
+  const Country* country = country_at(countries, lonlat_from_site.target_from_source(middle));
+  const DrivingSide usual = country ? country->driving_side : DrivingSide::right;
+  std::string side = to_string(usual);
+  const bool is_given = refine.has("driving_side");
+  refine.read_choice("driving_side", side, {"right", "left"});
+  site.driving_side = driving_side_of(side);
+  if (is_given && site.driving_side == usual) return;
+  const std::string where = country ? fmt::format(" ({})", country->name) : "";
+  if (site.driving_side != usual)
+    site.findings.push_back(
+        {Severity::warning, "site.driving_side",
+         fmt::format("refine.driving_side is {}, but one drives on the {} here{}", side, to_string(usual), where),
+         middle.x, middle.y});
+  else if (country)
+    site.findings.push_back({Severity::info, "site.driving_side",
+                             fmt::format("one drives on the {} here{}", side, where), middle.x, middle.y});
+}
+
 void read_stage_options(TomlSection& root, const SiteFolder& folder, Site& site) {
   TomlSection segment = root.section("segment");
   segment.read("model", site.model);
@@ -165,9 +191,7 @@ void read_stage_options(TomlSection& root, const SiteFolder& folder, Site& site)
 
   TomlSection refine = root.section("refine");
   folder.read(refine, "weights", site.refine_weights);
-  std::string side = to_string(site.driving_side);
-  refine.read_choice("driving_side", side, {"right", "left"});
-  site.driving_side = driving_side_of(side);
+  read_driving_side(refine, site);
   refine.finish();
 
   TomlSection elevate = root.section("elevate");
