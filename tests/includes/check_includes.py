@@ -6,7 +6,7 @@ one.
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
 A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
-its DEPS; this script reads them and asks six things:
+its DEPS; this script reads them and asks seven things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
@@ -15,6 +15,7 @@ its DEPS; this script reads them and asks six things:
 5. Headers show third-party types only where THIRD_PARTY allows it, so that these libraries can be changed in one .cpp.
 6. A room's own folders stand in its FOLDERS in the order of their arrows: a file includes its own folder and those
    before it; what lies in the room itself includes all of them, and is included by none.
+7. A name of a file stands in one folder: who looks for it finds one place.
 """
 
 import pathlib
@@ -223,6 +224,13 @@ def check(root):
     used = {(room_of(name), folder_of(name)) for name in known if folder_of(name)}
     listed = {(room, folder) for room, own in folders.items() for folder in own}
     findings += [f"{room}: FOLDERS and the folder {folder} do not agree" for room, folder in sorted(used ^ listed)]
+    places = {}
+    for name in known:
+        folder, file = name.rsplit("/", 1)
+        places.setdefault(file.split(".")[0], set()).add(folder)
+    for name, own in sorted(places.items()):
+        if len(own) > 1:
+            findings.append(f"{name}: stands in {' and '.join(sorted(own))}")
     for name, text in known.items():
         if room_of(name) not in arrows and room_of(name) != "app":
             findings.append(f"{name}: no target {room_of(name)}")

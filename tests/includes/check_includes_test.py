@@ -158,6 +158,10 @@ class Includes(unittest.TestCase):
     def test_a_folder_of_a_room_that_is_not_listed(self):
         self.expect("src/orthodrive/pipeline/more/part.hpp", "\n", "FOLDERS and the folder more do not agree")
 
+    def test_a_name_in_two_folders(self):
+        name = "src/orthodrive/network/refine_roads.cpp"
+        self.expect(name, "\n", "refine_roads: stands in orthodrive/network and orthodrive/refine")
+
     def test_a_folder_without_a_target(self):
         self.expect("src/orthodrive/attic/odd.cpp", "\n", "no target attic")
 
