@@ -30,6 +30,8 @@
 #include "orthodrive/scene/tiles/scene_windows.hpp"
 
 namespace orthodrive {
+class SceneLayout;
+
 namespace scene {
 
 /// What one level puts into the tiles.

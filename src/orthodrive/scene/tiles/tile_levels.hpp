@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "orthodrive/scene/plan/tile_address.hpp"
 #include "orthodrive/scene/tiles/coarse_tile.hpp"
 
 namespace orthodrive::scene {
