@@ -63,7 +63,11 @@ PoseRange range_from(const std::vector<DrivePose>& poses, const Places& places, 
 /// Where the sample lies on its chain.
 void locate(const LogChains& chains, const Places& places, PoseRange range, DrivenSample& sample) {
   Mean along, beside;
-  for (std::size_t i = range.begin; i < range.end; ++i) along.add(places[i]->s_m), beside.add(places[i]->offset_m);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if (!places[i]) continue;  // never: a range ends before
+    along.add(places[i]->s_m), beside.add(places[i]->offset_m);
+  }
+  if (!places[range.begin]) return;
   const LogPlace& place = *places[range.begin];
   const double sign = chains.sign(place.path);
   sample.chain = chains.chain_of[place.path];

@@ -50,7 +50,8 @@ std::optional<WindowPlace> place_window(const MatchedRecording& matched, double 
     return static_cast<std::size_t>(std::min(at, poses.end() - 1) - poses.begin());
   };
   const std::size_t a = index_at(from_s), b = index_at(to_s), middle = index_at(0.5 * (from_s + to_s));
-  if (b <= a || !(*matched.places)[a] || !(*matched.places)[b] || !(*matched.places)[middle]) return std::nullopt;
+  const std::optional<LogPlace>& in_middle = (*matched.places)[middle];
+  if (b <= a || !(*matched.places)[a] || !(*matched.places)[b] || !in_middle) return std::nullopt;
   double low = HUGE_VAL, high = 0.0;
   for (std::size_t i = a; i <= b; ++i) {
     double speed = poses[i].speed_mps;
@@ -63,7 +64,7 @@ std::optional<WindowPlace> place_window(const MatchedRecording& matched, double 
   }
   const double mean = 0.5 * (low + high);
   if (!(low >= slowest_mps) || high - low > greatest_speed_spread * mean) return std::nullopt;
-  return WindowPlace{mean, *(*matched.places)[middle]};
+  return WindowPlace{mean, *in_middle};
 }
 
 double usual_step_s(const std::vector<DriveImu>& imu) {

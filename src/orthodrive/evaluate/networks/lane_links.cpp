@@ -97,7 +97,9 @@ void check_junction(const RoadMap& map, const roadquery::Junction& junction, con
     }
   }
   for (const auto& [id, lanes] : fed) {
-    const Road& road = map.roads[*by_id.find(id)];
+    const std::optional<std::size_t> index = by_id.find(id);
+    if (!index) continue;
+    const Road& road = map.roads[*index];
     for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
       const roadquery::RoadLink& link = RoadEnd{&road, contact}.link();
       if (link.kind != LinkKind::junction || link.id != junction.id) continue;

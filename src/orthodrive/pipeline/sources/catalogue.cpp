@@ -178,8 +178,8 @@ std::vector<Vec2> samples_of(const Polygon& lonlat) {
   return samples;
 }
 
-std::string cell_url(const CatalogueSource& source, double west, double south) {
-  const double size = source.cells->size;
+std::string cell_url(const CatalogueSource& source, double size, Vec2 south_west) {
+  const auto [west, south] = south_west;
   const auto corner = [](double lat, double lon, const char* north_south, const char* east_west, const char* between) {
     return fmt::format("{}{:02.0f}{}{}{:03.0f}", north_south[lat < 0.0 ? 1 : 0], std::abs(lat), between,
                        east_west[lon < 0.0 ? 1 : 0], std::abs(lon));
@@ -273,7 +273,7 @@ std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon&
                                   (east - west) * (north - south), source.id, most_cells));
   std::vector<std::string> urls;
   for (double row = south; row < north; ++row)
-    for (double col = west; col < east; ++col) urls.push_back(cell_url(source, col * size, row * size));
+    for (double col = west; col < east; ++col) urls.push_back(cell_url(source, size, {col * size, row * size}));
   return urls;
 }
 
