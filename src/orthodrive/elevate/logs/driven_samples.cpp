@@ -64,11 +64,12 @@ PoseRange range_from(const std::vector<DrivePose>& poses, const Places& places, 
 void locate(const LogChains& chains, const Places& places, PoseRange range, DrivenSample& sample) {
   Mean along, beside;
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    if (!places[i]) continue;  // never: a range ends before
-    along.add(places[i]->s_m), beside.add(places[i]->offset_m);
+    const std::optional<LogPlace>& at = places[i];
+    if (at) along.add(at->s_m), beside.add(at->offset_m);
   }
-  if (!places[range.begin]) return;
-  const LogPlace& place = *places[range.begin];
+  const std::optional<LogPlace>& first = places[range.begin];
+  if (!first) return;  // never: a range begins on a road
+  const LogPlace& place = *first;
   const double sign = chains.sign(place.path);
   sample.chain = chains.chain_of[place.path];
   sample.along_m = chains.along_m(place.path, along.value());
