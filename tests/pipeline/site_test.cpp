@@ -117,7 +117,6 @@ TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
               HasSubstr("site.toml:8: 'refine.driving_side' must be right or left, not 'up'"));
 }
 
-/// The place and name of a site that says nothing of it.
 TEST(Site, one_drives_where_the_country_of_the_place_says) {
   const auto side_at = [](const std::string& box, const std::string& more = "") {
     return read_site(site_file("[area]\nbbox_wgs84 = [" + box + "]\n" + sources + more));
@@ -142,6 +141,13 @@ TEST(Site, one_drives_where_the_country_of_the_place_says) {
   EXPECT_EQ(odd.findings[0].severity, Severity::warning);
   EXPECT_EQ(odd.findings[0].message, "refine.driving_side is right, but one drives on the left here (United Kingdom)");
   EXPECT_TRUE(side_at("-0.13, 51.50, -0.11, 51.51", "[refine]\ndriving_side = 'left'\n").findings.empty());
+  // Bounds in metres: the place is found by their CRS, and one that is not on earth is refused where it stands.
+  const auto bounds = [](const std::string& box) {
+    return "[area]\nbounds = [" + box + "]\ncrs = 'EPSG:27700'\n" + sources;
+  };
+  EXPECT_EQ(read_site(site_file(bounds("530000, 180000, 531000, 181000"))).driving_side, DrivingSide::left);
+  EXPECT_THAT(site_message_of<InputError>(bounds("1e12, 1e12, 1.1e12, 1.1e12")),
+              HasSubstr("site.toml:2: 'area.bounds'"));
 }
 
 TEST(Site, network_files_are_chosen_in_their_section) {

@@ -27,7 +27,7 @@ def names_licence(name):
 THINGS = (
     "vertex|place|chain|node|path|road|point|pixel|class|stage|file|line|tile|cell|layer|way|level|row|side|channel"
 )
-PLAIN = re.compile(rf"\b(?:one|two|three|[0-9.]+) an? (?:{THINGS})\b(?! \|)|\b[Oo]f who\b")
+PLAIN = re.compile(rf"\b(?:one|two|three|[0-9.]+) an? (?:{THINGS})\b|\b[Oo]f who\b")
 
 
 def check_words(work):

@@ -63,13 +63,10 @@ PoseRange range_from(const std::vector<DrivePose>& poses, const Places& places, 
 /// Where the sample lies on its chain.
 void locate(const LogChains& chains, const Places& places, PoseRange range, DrivenSample& sample) {
   Mean along, beside;
-  for (std::size_t i = range.begin; i < range.end; ++i) {
-    const std::optional<LogPlace>& at = places[i];
-    if (at) along.add(at->s_m), beside.add(at->offset_m);
-  }
-  const std::optional<LogPlace>& first = places[range.begin];
-  if (!first) return;  // never: a range begins on a road
-  const LogPlace& place = *first;
+  // NOLINTBEGIN(bugprone-unchecked-optional-access): all poses of a range lie on a road
+  for (std::size_t i = range.begin; i < range.end; ++i) along.add(places[i]->s_m), beside.add(places[i]->offset_m);
+  const LogPlace& place = *places[range.begin];
+  // NOLINTEND(bugprone-unchecked-optional-access)
   const double sign = chains.sign(place.path);
   sample.chain = chains.chain_of[place.path];
   sample.along_m = chains.along_m(place.path, along.value());

@@ -79,7 +79,11 @@ void check_roads(const RoadMap& map, const RoadsById& by_id, NetworkScores& scor
 /// Lane links of a junction against the lanes of its connecting roads, and lanes that lead in and not on.
 void check_junction(const RoadMap& map, const roadquery::Junction& junction, const RoadsById& by_id,
                     NetworkScores& scores) {
-  std::map<int, std::set<int>> fed;  // lanes of the roads that lead in
+  struct Fed {
+    const Road* road = nullptr;
+    std::set<int> lanes;
+  };
+  std::map<int, Fed> fed;  // the roads that lead in, by their ids
   for (const roadquery::Connection& connection : junction.connections) {
     const auto incoming = by_id.find(connection.incoming_road), via = by_id.find(connection.connecting_road);
     if (!incoming || !via) {
@@ -93,13 +97,13 @@ void check_junction(const RoadMap& map, const roadquery::Junction& junction, con
                                           : connection.contact == ContactPoint::start ? lane->predecessor
                                                                                       : lane->successor;
       if (expected != link.from) ++scores.lane_link_errors;
-      fed[connection.incoming_road].insert(link.from);
+      Fed& from = fed[connection.incoming_road];
+      from.road = &map.roads[*incoming];
+      from.lanes.insert(link.from);
     }
   }
-  for (const auto& [id, lanes] : fed) {
-    const std::optional<std::size_t> index = by_id.find(id);
-    if (!index) continue;
-    const Road& road = map.roads[*index];
+  for (const auto& [id, incoming] : fed) {
+    const Road& road = *incoming.road;
     for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
       const roadquery::RoadLink& link = RoadEnd{&road, contact}.link();
       if (link.kind != LinkKind::junction || link.id != junction.id) continue;
@@ -107,7 +111,7 @@ void check_junction(const RoadMap& map, const roadquery::Junction& junction, con
       for (const auto* side : {&end.section().left, &end.section().right})
         for (const roadquery::Lane& lane : *side)
           if (lane.type == roadquery::LaneType::driving &&
-              drives_along(road, lane.id) == (contact == ContactPoint::end) && lanes.count(lane.id) == 0)
+              drives_along(road, lane.id) == (contact == ContactPoint::end) && incoming.lanes.count(lane.id) == 0)
             add_dead_lane(end, lane, scores);
     }
   }

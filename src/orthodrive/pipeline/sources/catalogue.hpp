@@ -53,7 +53,7 @@ struct Catalogue {
 /// Reads areas.toml, photo.toml, terrain.toml and osm.toml of a folder. Throws InputError with file, line and key for
 /// whatever is wrong in them: unknown keys, kinds and areas, ids that are there twice, terrain without a datum.
 [[nodiscard]] Catalogue read_catalogue(const std::filesystem::path& folder);
-/// A country where one drives on the left; outline as of CatalogueArea.
+/// A country of countries.toml, which has those where one drives on the left; outline as of CatalogueArea.
 struct Country {
   std::string id, name;  ///< ISO 3166-1; English
   DrivingSide driving_side = DrivingSide::right;

@@ -100,6 +100,11 @@ std::array<double, 4> read_box(TomlSection& area, const char* key) {
   return box;
 }
 
+Vec2 middle_of(const Ring& ring) {
+  const Box2 box = bounds_of(ring);
+  return {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+}
+
 SiteFrame read_bounds(TomlSection& area, const std::string& crs) {
   if (crs == "auto") area.fail_at("bounds", "needs area.crs, for example \"EPSG:32633\"");
   const auto [west, south, east, north] = read_box(area, "bounds");
@@ -123,6 +128,10 @@ void read_area(TomlSection area, const fs::path& file, Site& site) {
         "(metres, with crs)");
   if (area.has("bounds")) {
     site.frame = read_bounds(area, crs);
+    area.at("bounds", [&] {
+      const CoordinateTransform lonlat_from_site(site.frame.crs, Crs{"EPSG:4326"});
+      site.middle_lonlat = lonlat_from_site.target_from_source(middle_of(site.frame.area.outer));
+    });
     return;
   }
   const char* key = area.has("polygon") ? "polygon" : "bbox_wgs84";
@@ -134,6 +143,7 @@ void read_area(TomlSection area, const fs::path& file, Site& site) {
     area.at(key, [&] { lonlat = polygon_of_box(box); });
   }
   area.at(key, [&] { site.frame = site_frame_of(lonlat, crs); });
+  site.middle_lonlat = middle_of(lonlat.outer);
   site.findings = findings_of_area(lonlat, site.frame);
 }
 
@@ -160,11 +170,9 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
 
 /// Where the site file does not say it: that of the country in which the middle of the area lies.
 void read_driving_side(TomlSection& refine, Site& site) {
-  const Box2 box = bounds_of(site.frame.area.outer);
-  const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  const Vec2 middle = middle_of(site.frame.area.outer);
   const std::vector<Country> countries = read_countries(catalogue_folder());
-  const CoordinateTransform lonlat_from_site(site.frame.crs, Crs{"EPSG:4326"});
-  const Country* country = country_at(countries, lonlat_from_site.target_from_source(middle));
+  const Country* country = country_at(countries, site.middle_lonlat);
   const DrivingSide usual = country ? country->driving_side : DrivingSide::right;
   std::string side = to_string(usual);
   const bool is_given = refine.has("driving_side");

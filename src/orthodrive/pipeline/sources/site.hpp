@@ -18,6 +18,7 @@ namespace orthodrive {
 struct Site {
   std::string name;
   SiteFrame frame;
+  Vec2 middle_lonlat;                         ///< of the area's bounds, degrees of WGS84
   std::vector<std::filesystem::path> photos;  ///< best first
   std::vector<std::filesystem::path> osm;
   std::vector<std::filesystem::path> gpx;             ///< tracks of GPS receivers; none needed
