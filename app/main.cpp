@@ -4,7 +4,7 @@
 
 #include <mimalloc.h>
 
-#include "commands.hpp"
+#include "commands/commands.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/stop.hpp"
 #include "terminal_monitor.hpp"

@@ -375,7 +375,7 @@ def check_lengths(root, faults):
 
 
 def check_measured(root, faults):
-    commands = set(re.findall(r'"([\w-]+)": "\w+"', (root / "tools/measure").read_text()))
+    commands = set(re.findall(r'"([\w-]+)": "[\w.]+"', (root / "tools/measure").read_text()))
     for page in sorted((root / "docs/measured").glob("*.md")):
         text, say = page.read_text(), lambda what, page=page: faults.append(f"docs/measured/{page.name}: {what}")
         if not commands & set(re.findall(r"`tools/measure ([\w-]+)", text)):

@@ -163,7 +163,8 @@ def check_file(name, text, reach, known, folders):
     for quoted, angled in INCLUDE.findall(text):
         if quoted:
             beside = f"{name.rsplit('/', 1)[0]}/{quoted}"
-            target = quoted if quoted in known else beside
+            places = [quoted, beside, *([f"app/{quoted}"] if room == "app" else [])]
+            target = next((place for place in places if place in known), beside)
             if target not in known:
                 if not re.search(r"\.pb\.h$", quoted):
                     wrong.append(f"includes {quoted}, which is not in src/ or app/")

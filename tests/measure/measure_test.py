@@ -246,7 +246,7 @@ class All(unittest.TestCase):
             self.assertIn(f"the commit is {commit} + changes; commit first, or give --dirty", dirty.stderr)
 
     def test_the_commands_of_all_parts_are_understood(self):
-        modules = dict(re.findall(r'"([\w-]+)": "(\w+)"', (SOURCE / "tools/measure").read_text()))
+        modules = dict(re.findall(r'"([\w-]+)": "([\w.]+)"', (SOURCE / "tools/measure").read_text()))
         for words in [words for part in all_pages.PARTS for words in part.commands]:
             parser = argparse.ArgumentParser(exit_on_error=False)
             importlib.import_module(f"measuring.{modules[words[0]]}").add_arguments(parser)

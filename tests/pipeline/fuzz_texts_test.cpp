@@ -17,7 +17,7 @@
 #include "orthodrive/pipeline/files/network_spec.hpp"
 #include "orthodrive/pipeline/sources/site.hpp"
 #include "orthodrive/pipeline/training/experiment.hpp"
-#include "orthodrive/synth/track_table.hpp"
+#include "orthodrive/synth/plan/track_table.hpp"
 
 namespace orthodrive::fuzz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/synth/alignment.hpp"
+#include "orthodrive/synth/plan/alignment.hpp"
 
 #include <gtest/gtest.h>
 

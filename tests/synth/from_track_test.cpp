@@ -15,9 +15,9 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/osm/osm_reader.hpp"
+#include "orthodrive/synth/ground/terrain.hpp"
 #include "orthodrive/synth/make_region.hpp"
-#include "orthodrive/synth/plan_from_track.hpp"
-#include "orthodrive/synth/terrain.hpp"
+#include "orthodrive/synth/plan/plan_from_track.hpp"
 #include "paths.hpp"
 #include "sanitized.hpp"
 #include "synth/site_helpers.hpp"

@@ -11,10 +11,10 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/rasters/sample_height.hpp"
+#include "orthodrive/synth/ground/terrain.hpp"
 #include "orthodrive/synth/make_region.hpp"
-#include "orthodrive/synth/plan_index.hpp"
-#include "orthodrive/synth/plan_presets.hpp"
-#include "orthodrive/synth/terrain.hpp"
+#include "orthodrive/synth/plan/plan_index.hpp"
+#include "orthodrive/synth/plan/plan_presets.hpp"
 #include "sanitized.hpp"
 #include "synth/site_helpers.hpp"
 

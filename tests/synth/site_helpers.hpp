@@ -14,9 +14,9 @@
 #include <tuple>
 
 #include "orthodrive/core/hash.hpp"
+#include "orthodrive/synth/ground/terrain.hpp"
 #include "orthodrive/synth/make_site.hpp"
-#include "orthodrive/synth/site_plan.hpp"
-#include "orthodrive/synth/terrain.hpp"
+#include "orthodrive/synth/plan/site_plan.hpp"
 
 namespace orthodrive::synth {
 

@@ -11,11 +11,11 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/model/roads/road_material.hpp"
+#include "orthodrive/synth/ground/terrain.hpp"
 #include "orthodrive/synth/make_site.hpp"
-#include "orthodrive/synth/mood.hpp"
-#include "orthodrive/synth/plan_presets.hpp"
-#include "orthodrive/synth/terrain.hpp"
-#include "orthodrive/synth/world.hpp"
+#include "orthodrive/synth/paint/mood.hpp"
+#include "orthodrive/synth/paint/world.hpp"
+#include "orthodrive/synth/plan/plan_presets.hpp"
 #include "sanitized.hpp"
 #include "synth/site_helpers.hpp"
 

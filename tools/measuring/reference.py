@@ -9,8 +9,9 @@ import re
 import sys
 import tomllib
 
-from measuring import nlo, reference_38, virtual_ring
+from measuring import nlo, virtual_ring
 from measuring.common import ROOT, fixed, header, percent, read_results, row, write_between
+from measuring.learning import reference_38
 
 PAGE = ROOT / "docs/reference.md"
 NOT_MEASURED = "not measured"
@@ -87,7 +88,7 @@ def classes():
     sites = [f"{preset}-{seed}" for preset, seeds in reference_38.SEEDS.items() for seed in seeds]
     held_out = [site for site in sites if site in reference_38.HELD_OUT]
     return table(
-        "`models/classes/reference-38.toml`, `tools/measuring/reference_38.py`",
+        "`models/classes/reference-38.toml`, `tools/measuring/learning/reference_38.py`",
         [
             ("classes of pixels", "38", len(names)),
             (

@@ -10,7 +10,6 @@ import math
 import os
 import re
 
-from measuring import forests
 from measuring.common import (
     DATA,
     PAGES,
@@ -29,6 +28,7 @@ from measuring.common import (
     write_page,
     write_results,
 )
+from measuring.learning import forests
 
 STORE, PAGE = "refinement.json", PAGES / "refine.md"
 TRACK = DATA / "spielberg"

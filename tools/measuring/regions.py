@@ -27,7 +27,7 @@ from measuring.common import (
     write_page,
     write_results,
 )
-from measuring.painted import render_painted
+from measuring.learning.painted import render_painted
 
 STORE, PAGE = "regions.json", PAGES / "regions.md"
 MODELS = {

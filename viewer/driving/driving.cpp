@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The car on the roads of a site, for WebAssembly: the same surface and the same vehicle as the tool's own drive. One
-// of each a module. src/driving.ts is the other side.
+// of each a module. src/car/driving.ts is the other side.
 
 #include <array>
 #include <cmath>
@@ -69,7 +69,7 @@ double time_owed_s = 0.0;
 
 std::vector<float> strips;
 
-// In the order of `stateNames` in src/driving.ts.
+// In the order of `stateNames` in src/car/driving.ts.
 std::array<double, 25> values;
 
 void write_state() {

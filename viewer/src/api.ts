@@ -3,8 +3,8 @@
 
 import type {CameraMode} from './cameras';
 import type {CarState} from './lap';
-import type {LayerName} from './layer_switches';
-import type {HeldTile} from './tile_layers';
+import type {LayerName} from './layers/layer_switches';
+import type {HeldTile} from './tiles/tile_layers';
 
 export interface Api {
   readonly ready: boolean; // all tiles and layers of the present view are loaded and drawn

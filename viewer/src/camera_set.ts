@@ -12,7 +12,7 @@ import {
   sight_m,
   type View,
 } from './cameras';
-import type {Car} from './car';
+import type {Car} from './car/car';
 import type {CarState} from './lap';
 
 /** Around which the sun's shadows are drawn. */

@@ -8,13 +8,13 @@ import {PCFShadowMap, Scene, type Sphere, Vector2, Vector3, WebGLRenderer} from 
 import type {Api} from './api';
 import {CameraSet} from './camera_set';
 import {type CameraMode, isAtCar} from './cameras';
-import {Drive} from './drive';
+import {Drive} from './car/drive';
 import type {Lap} from './lap';
+import {SiteLayers} from './layers/site_layers';
 import * as panel from './panel';
 import {loadCar, loadNotes, loadSite, type Site, type SiteCar, type SiteNotes} from './site';
-import {SiteLayers} from './site_layers';
-import {Sky} from './sky';
-import {sunDirection, zoneHours} from './sun';
+import {Sky} from './sky/sky';
+import {sunDirection, zoneHours} from './sky/sun';
 import {parseView, type ViewState, writeView} from './view_link';
 
 function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {

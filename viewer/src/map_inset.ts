@@ -4,7 +4,7 @@
 import type {Vector3} from 'three';
 
 import type {CarState, Lap} from './lap';
-import {speedColor} from './route_line';
+import {speedColor} from './layers/route_line';
 
 const margin_px = 12;
 

@@ -2,7 +2,7 @@
 // The page around the picture: switches, dashboard, timeline.
 
 import type {CarState, Lap} from './lap';
-import {speedColor} from './route_line';
+import {speedColor} from './layers/route_line';
 
 function element<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;

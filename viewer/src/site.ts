@@ -4,9 +4,8 @@
 // The scene's frame here is the site CRS less the site's origin: x east, y north, z up, metres.
 
 import {Matrix4} from 'three';
-
+import {ordinaryCar, parseVehicleShape, type VehicleShape} from './car/vehicle_shape';
 import {Lap} from './lap';
-import {ordinaryCar, parseVehicleShape, type VehicleShape} from './vehicle_shape';
 
 export const tilesetUrl = 'site/scene/tileset.json';
 

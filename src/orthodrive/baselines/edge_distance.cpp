@@ -12,6 +12,8 @@
 namespace orthodrive {
 namespace {
 
+constexpr double canny_blur_m = 0.15;  // sigma of the Gaussian before Canny; at least 0.8 pixels
+
 using namespace baselines;
 
 constexpr double lower_over_upper = 0.5;
@@ -34,11 +36,11 @@ Raster<std::uint8_t> edge_distance(const Raster<std::uint8_t>& rgb, const Raster
   cv::Mat grey;
   cv::cvtColor(cv::Mat(rgb.height, rgb.width, CV_8UC3, const_cast<std::uint8_t*>(rgb.data.data())), grey,
                cv::COLOR_RGB2GRAY);
-  cv::GaussianBlur(grey, grey, {}, std::max(0.8, options.blur_m / gsd_m));
+  cv::GaussianBlur(grey, grey, {}, std::max(0.8, canny_blur_m / gsd_m));
   cv::Mat hidden;  // pixels that cannot be edges: the border of nodata is none
   if (!valid.empty()) {
     const cv::Mat mask(valid.height, valid.width, CV_8UC1, const_cast<std::uint8_t*>(valid.data.data()));
-    const int reach = 2 + static_cast<int>(std::ceil(3.0 * std::max(0.8, options.blur_m / gsd_m)));
+    const int reach = 2 + static_cast<int>(std::ceil(3.0 * std::max(0.8, canny_blur_m / gsd_m)));
     cv::dilate(mask == 0, hidden, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
   }
 

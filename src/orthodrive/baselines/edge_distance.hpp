@@ -17,7 +17,6 @@
 namespace orthodrive {
 
 struct EdgeDistanceOptions {
-  double blur_m = 0.15;  ///< sigma of the Gaussian before Canny; at least 0.8 pixels
   /// Upper thresholds on the gradient of the grey value (Sobel, 0..1443); the lower is half of it. Kerbs are faint: at
   /// 160 hardly any was an edge on the synthetic villages.
   std::vector<double> thresholds{20.0, 40.0, 80.0};

@@ -16,6 +16,9 @@
 namespace orthodrive {
 namespace {
 
+constexpr double mrf_context_m = 2.0;  // width of the context strips
+constexpr double least_mrf_width_m = 2.0;
+
 using namespace baselines;
 
 constexpr double min_seen = 0.5;           // share of a site's strip with a photo, below which it has no evidence
@@ -26,8 +29,7 @@ void check_mrf(const RoadNetwork& osm, const MrfEvidenceSource& evidence, const 
     throw OptionError(fmt::format("mrf: roads are in {} but the photo in {}, need one CRS", osm.crs.definition,
                                   evidence.crs.definition));
   if (!(options.segment_m > 0.0) || !(options.search_radius_m >= 0.0) || !(options.step_m > 0.0) ||
-      !(options.context_m >= 0.0) || !(options.min_width_factor > 0.0) ||
-      !(options.max_width_factor >= options.min_width_factor) || !(options.min_width_m > 0.0))
+      !(options.min_width_factor > 0.0) || !(options.max_width_factor >= options.min_width_factor))
     throw OptionError(
         "mrf: segment, step and width bounds must be positive, search radius and context not negative, "
         "the largest width factor not below the smallest");
@@ -56,7 +58,7 @@ MrfSite make_site(const ChainNode& a, const ChainNode& b, int layer, const MrfRo
   site.share = a.evidence.both() * site.length_m / options.segment_m;
   const auto level = [&](double width_m) { return static_cast<int>(std::lround(width_m / (2.0 * options.step_m))); };
   site.input_width = std::max(1, level(a.input_width_m));
-  const int narrowest = std::max(1, level(std::max(options.min_width_m, options.min_width_factor * a.input_width_m)));
+  const int narrowest = std::max(1, level(std::max(least_mrf_width_m, options.min_width_factor * a.input_width_m)));
   site.min_width = std::min(site.input_width, narrowest);
   site.max_width = std::max(site.input_width, level(options.max_width_factor * a.input_width_m));
   return site;
@@ -136,7 +138,7 @@ MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSourc
   MrfProblem& mrf = problem.mrf;
   mrf.step_m = options.step_m;
   mrf.max_offset = static_cast<int>(std::floor(options.search_radius_m / options.step_m + 1e-9));
-  mrf.context = static_cast<int>(std::lround(options.context_m / options.step_m));
+  mrf.context = static_cast<int>(std::lround(mrf_context_m / options.step_m));
 
   std::vector<ProfileStrip> strips;
   for (const RoadChain& chain : problem.chains) {

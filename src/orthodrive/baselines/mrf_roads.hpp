@@ -21,10 +21,8 @@ struct MrfRoadsOptions {
   double segment_m = 10.0;        ///< length of the straight segments, about
   double search_radius_m = 6.0;   ///< largest offset to each side of the OSM line
   double step_m = 0.25;           ///< between offsets; widths differ by twice that
-  double context_m = 2.0;         ///< width of the context strips
   double min_width_factor = 0.5;  ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
-  double min_width_m = 2.0;
   MrfWeights weights;
   double no_overlap_angle_deg = 20.0;
   int max_sweeps = 30;

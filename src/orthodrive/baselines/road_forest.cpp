@@ -28,6 +28,11 @@ struct RoadForests::Trees {
 
 namespace {
 
+constexpr int forest_depth = 14;
+constexpr int least_node_samples = 20;  // a node with fewer is a leaf
+constexpr double least_purity = 0.7;    // superpixels of which less is of one kind teach nothing
+constexpr double near_road_m = 8.0;     // the context forest learns from what lies so near to a road
+
 using namespace baselines;
 
 constexpr const char* format_key = "orthodrive_road_forests";
@@ -63,8 +68,8 @@ cv::Mat road_distance(const Raster<std::uint8_t>& mask) {
 
 /// The superpixels of a tile that are of one kind. Those of the margin belong to the tiles beside it.
 Rows collect_rows(const RoadForestSample& sample, const PixelBox& tile, const RoadForestOptions& options) {
-  const int margin = std::max(margin_px(options.superpixels, sample.gsd_m),
-                              static_cast<int>(options.context_reach_m / sample.gsd_m) + 1);
+  const int margin =
+      std::max(margin_px(options.superpixels, sample.gsd_m), static_cast<int>(near_road_m / sample.gsd_m) + 1);
   const PixelBox box = intersection(tile.grown(margin), {0, 0, sample.rgb.width, sample.rgb.height});
   const Raster<std::uint8_t> mask = cut(sample.mask, box);
   const Superpixels superpixels =
@@ -92,9 +97,9 @@ Rows collect_rows(const RoadForestSample& sample, const PixelBox& tile, const Ro
                           box.row + static_cast<std::int64_t>(v.y / v.pixels), 1, 1};
     if (intersection(center, tile).empty()) continue;
     Kind kind = road;
-    if (v.context >= options.purity * v.pixels)
-      kind = v.to_road_px / v.pixels * sample.gsd_m <= options.context_reach_m ? near_context : far_context;
-    else if (v.road < options.purity * v.pixels)
+    if (v.context >= least_purity * v.pixels)
+      kind = v.to_road_px / v.pixels * sample.gsd_m <= near_road_m ? near_context : far_context;
+    else if (v.road < least_purity * v.pixels)
       continue;
     const auto features = superpixels.features_of(i);
     rows[kind].insert(rows[kind].end(), features.begin(), features.end());
@@ -145,8 +150,8 @@ cv::Ptr<cv::ml::RTrees> train(const std::vector<float>& yes, const std::vector<f
   responses.rowRange(0, static_cast<int>(count)).setTo(1);
 
   const auto trees = cv::ml::RTrees::create();
-  trees->setMaxDepth(options.max_depth);
-  trees->setMinSampleCount(options.min_node_samples);
+  trees->setMaxDepth(forest_depth);
+  trees->setMinSampleCount(least_node_samples);
   trees->setUseSurrogates(false);
   trees->setTermCriteria({cv::TermCriteria::MAX_ITER, options.trees, 0.0});
   // OpenCV draws from a generator of the thread: ours while we train, then it is given back as it was.
@@ -157,8 +162,8 @@ cv::Ptr<cv::ml::RTrees> train(const std::vector<float>& yes, const std::vector<f
 }
 
 void check(std::span<const RoadForestSample> samples, const RoadForestOptions& options) {
-  if (options.trees < 1 || options.max_depth < 1 || options.max_samples < 1 || !(options.superpixels.size_m > 0.0) ||
-      options.superpixels.iterations < 1 || !(options.superpixels.texture_m > 0.0) || !(options.purity > 0.5) ||
+  if (options.trees < 1 || options.max_samples < 1 || !(options.superpixels.size_m > 0.0) ||
+      options.superpixels.iterations < 1 || !(options.superpixels.texture_m > 0.0) ||
       !(options.near_share >= 0.0 && options.near_share <= 1.0))
     throw OptionError(
         "road forests: trees, depth, samples, superpixel size, iterations and texture must be positive, purity above "

@@ -38,12 +38,8 @@ struct RoadForestSample {
 struct RoadForestOptions {
   SuperpixelOptions superpixels;
   int trees = 60;
-  int max_depth = 14;
-  int min_node_samples = 20;     ///< a node with fewer is a leaf
-  double purity = 0.7;           ///< superpixels of which less is of one kind teach nothing
-  double context_reach_m = 8.0;  ///< the context forest learns from what lies so near to a road
-  double near_share = 0.5;       ///< of what the road forest learns as no road: the share that lies so near to one
-  int max_samples = 15000;       ///< of each kind and forest; drawn by the seed
+  double near_share = 0.5;  ///< of what the road forest learns as no road: the share that lies so near to one
+  int max_samples = 15000;  ///< of each kind and forest; drawn by the seed
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };

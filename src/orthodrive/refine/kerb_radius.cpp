@@ -11,6 +11,11 @@
 namespace orthodrive {
 namespace {
 
+constexpr double largest_corner_m = 12.0;    // wider corners are forecourts and squares
+constexpr double least_corner_angle = 0.7;   // rad between two edges that make a corner; as far from half a turn
+constexpr double most_wrong_share = 0.2;     // share of the visible pixels that contradict a radius, at most
+constexpr double least_visible_share = 0.6;  // share of the corner's pixels that nothing hides, at least
+
 enum class Vote : std::uint8_t { hidden, paved, unpaved };
 
 Vote vote_of(const ClassInfo& info) {
@@ -86,10 +91,10 @@ struct Corner {
   double angle = 0.0;
 };
 
-std::optional<Corner> corner_of(const Leaving& a, const Leaving& b, Vec2 junction, const KerbRadiusOptions& options) {
+std::optional<Corner> corner_of(const Leaving& a, const Leaving& b, Vec2 junction) {
   constexpr double farthest_m = 15.0;
   const double sine = cross(a.outwards, b.outwards), angle = std::atan2(sine, dot(a.outwards, b.outwards));
-  if (angle < options.least_angle || angle > M_PI - options.least_angle) return std::nullopt;
+  if (angle < least_corner_angle || angle > M_PI - least_corner_angle) return std::nullopt;
   const Vec2 from = a.edge(1.0);
   const Vec2 p = from + a.outwards * (cross(b.edge(-1.0) - from, b.outwards) / sine);
   if (distance(p, junction) > farthest_m) return std::nullopt;
@@ -109,13 +114,12 @@ struct CornerPixel {
 
 /// Visible pixels beside the corner that a radius within the bound paves, and as far again, with the share that is
 /// visible.
-std::vector<CornerPixel> pixels_of(const Corner& corner, const View& view, const KerbRadiusOptions& options,
-                                   double& visible) {
+std::vector<CornerPixel> pixels_of(const Corner& corner, const View& view, double& visible) {
   const GridFrame& frame = view.labels.frame;
   const double k = 1.0 / std::sin(0.5 * corner.angle);
   const Vec2 bisector = normalized(corner.right_edge + corner.left_edge);
   // The arc touches the edges this far from the corner.
-  const double reach_m = options.largest_m / std::tan(0.5 * corner.angle);
+  const double reach_m = largest_corner_m / std::tan(0.5 * corner.angle);
   const Vec2 middle = frame.pixel_from_world(corner.p);
   const int reach = static_cast<int>(std::ceil(reach_m / frame.gsd_m));
   const int column = static_cast<int>(std::floor(middle.x)), row = static_cast<int>(std::floor(middle.y));
@@ -126,7 +130,7 @@ std::vector<CornerPixel> pixels_of(const Corner& corner, const View& view, const
       const Vec2 w = frame.center_of(c, r) - corner.p;
       if (cross(corner.right_edge, w) <= 0.0 || cross(w, corner.left_edge) <= 0.0) continue;
       const double radius = paving_radius_m(w, bisector, k);
-      if (radius > options.largest_m) continue;
+      if (radius > largest_corner_m) continue;
       all += 1.0;
       const Vote vote = view.at(c, r);
       if (vote != Vote::hidden) pixels.push_back({radius, vote == Vote::paved});
@@ -136,7 +140,7 @@ std::vector<CornerPixel> pixels_of(const Corner& corner, const View& view, const
 }
 
 /// The split that the fewest pixels contradict; none where it says nothing.
-std::optional<double> split_of(std::vector<CornerPixel> pixels, const KerbRadiusOptions& options) {
+std::optional<double> split_of(std::vector<CornerPixel> pixels) {
   std::sort(pixels.begin(), pixels.end(),
             [](const CornerPixel& a, const CornerPixel& b) { return a.radius_m < b.radius_m; });
   auto wrong = static_cast<double>(std::count_if(pixels.begin(), pixels.end(), [](const auto& p) { return p.paved; }));
@@ -147,8 +151,8 @@ std::optional<double> split_of(std::vector<CornerPixel> pixels, const KerbRadius
     least = wrong;
     radius = i + 1 < pixels.size() ? 0.5 * (pixels[i].radius_m + pixels[i + 1].radius_m) : pixels[i].radius_m;
   }
-  const bool is_open = radius > 0.95 * options.largest_m;  // paved as far as one looks
-  if (is_open || least > options.most_wrong * static_cast<double>(pixels.size())) return std::nullopt;
+  const bool is_open = radius > 0.95 * largest_corner_m;  // paved as far as one looks
+  if (is_open || least > most_wrong_share * static_cast<double>(pixels.size())) return std::nullopt;
   return radius;
 }
 
@@ -158,25 +162,24 @@ double middle_of(std::vector<double> values) {
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
-std::vector<double> radii_of(const RoadNetwork& roads, const PathJunction& junction, const View& view,
-                             const KerbRadiusOptions& options) {
+std::vector<double> radii_of(const RoadNetwork& roads, const PathJunction& junction, const View& view) {
   const std::vector<Leaving> arms = arms_of(roads, junction);
   std::vector<double> radii;
   for (std::size_t i = 0; arms.size() > 2 && i < arms.size(); ++i) {
     const Leaving &right = arms[i], &left = arms[(i + 1) % arms.size()];
-    const auto corner = corner_of(right, left, junction.p, options);
+    const auto corner = corner_of(right, left, junction.p);
     if (!corner || !is_seen(right, view) || !is_seen(left, view)) continue;
     double visible = 0.0;
-    std::vector<CornerPixel> pixels = pixels_of(*corner, view, options, visible);
-    if (visible < options.least_visible) continue;
-    if (const auto radius = split_of(std::move(pixels), options)) radii.push_back(*radius);
+    std::vector<CornerPixel> pixels = pixels_of(*corner, view, visible);
+    if (visible < least_visible_share) continue;
+    if (const auto radius = split_of(std::move(pixels))) radii.push_back(*radius);
   }
   return radii;
 }
 
 }  // namespace
 
-int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels, const KerbRadiusOptions& options) {
+int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels) {
   constexpr double least_m = 0.5;  // a kerb has some; 0 would say that nothing is known
   View view{labels, {}};
   for (const ClassInfo& info : labels.classes.classes) view.votes.push_back(vote_of(info));
@@ -184,7 +187,7 @@ int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels, const KerbRad
     for (RoadNode& node : path.nodes) node.kerb_radius_m = 0.0;
   int measured = 0;
   for (const PathJunction& junction : find_junctions(roads, link_path_ends(roads))) {
-    const std::vector<double> radii = radii_of(roads, junction, view, options);
+    const std::vector<double> radii = radii_of(roads, junction, view);
     if (radii.empty()) continue;
     for (const JunctionArm& arm : junction.arms)
       roads.paths[arm.path].nodes[arm.node].kerb_radius_m = std::max(middle_of(radii), least_m);

@@ -7,13 +7,6 @@
 
 namespace orthodrive {
 
-struct KerbRadiusOptions {
-  double largest_m = 12.0;     ///< wider corners are forecourts and squares
-  double least_angle = 0.7;    ///< rad between two edges that make a corner; as far from half a turn
-  double most_wrong = 0.2;     ///< share of the visible pixels that contradict a radius, at most
-  double least_visible = 0.6;  ///< share of the corner's pixels that nothing hides, at least
-};
-
 /// Sets kerb_radius_m of all nodes of a junction that has a readable corner to the median of its corners; 0 elsewhere.
 /// Two neighbouring arms make a corner where their edges meet (widths as refined). With two edges at the angle phi and
 /// u the bisector from their corner, a kerb of radius r has its centre at r u / sin(phi / 2) and paves what lies
@@ -24,6 +17,6 @@ struct KerbRadiusOptions {
 /// The radius of a corner is the one that the fewest pixels contradict: roads beyond it, or ground within it. Trees and
 /// parking places say nothing; arms that the labels do not show as roads have no corners. Returns the number of
 /// junctions with a radius. Linear in the area of the corners.
-int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels, const KerbRadiusOptions& options = {});
+int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels);
 
 }  // namespace orthodrive

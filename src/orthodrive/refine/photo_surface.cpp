@@ -10,6 +10,9 @@
 namespace orthodrive {
 namespace {
 
+constexpr double least_unpaved_share = 0.6;  // of the visible samples that have to say the same
+constexpr int least_seen_samples = 30;       // visible ones: some ten metres of road
+
 enum class PixelVote : std::uint8_t { none, paved, gravel, ground };
 
 PixelVote pixel_vote_of(const ClassInfo& info) {
@@ -41,7 +44,7 @@ std::array<int, 4> count_votes(const RoadPath& path, const LabelMap& labels, con
 
 }  // namespace
 
-int classify_by_photo(RoadNetwork& roads, const LabelMap& labels, const PhotoSurfaceOptions& options) {
+int classify_by_photo(RoadNetwork& roads, const LabelMap& labels) {
   std::vector<PixelVote> votes;
   votes.reserve(labels.classes.classes.size());
   for (const ClassInfo& info : labels.classes.classes) votes.push_back(pixel_vote_of(info));
@@ -51,7 +54,7 @@ int classify_by_photo(RoadNetwork& roads, const LabelMap& labels, const PhotoSur
     if (path.highway != "track" && path.highway != "service") continue;
     const std::array<int, 4> count = count_votes(path, labels, votes);
     const int paved = count[1], gravel = count[2], ground = count[3], unpaved = gravel + ground;
-    if (paved + unpaved < options.least_samples || unpaved < options.least_share * (paved + unpaved)) continue;
+    if (paved + unpaved < least_seen_samples || unpaved < least_unpaved_share * (paved + unpaved)) continue;
     const SurfaceClass seen = ground > gravel ? SurfaceClass::ground : SurfaceClass::gravel;
     changed += path.known_surface.surface == seen ? 0 : 1;
     path.known_surface = {seen, SurfaceSource::photo};

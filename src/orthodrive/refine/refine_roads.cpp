@@ -233,7 +233,7 @@ class Refinement {
               {nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - known_m, nodes[i].evidence.both()});
         if (from_traces && !traces_[c].empty() && traces_[c][i].recordings > 0.0)
           samples.push_back({nodes[i].base, nodes[i].normal, traces_[c][i].offset_m - known_m,
-                             trace_share * std::pow(field.sample_sigma_m / traces_[c][i].sigma_m, 2)});
+                             trace_share * std::pow(sample_sigma_m / traces_[c][i].sigma_m, 2)});
       }
       for (std::size_t i = 0; i < nodes.size(); i += place_nodes) places.push_back(nodes[i].base);
       places.push_back(nodes.back().base);

@@ -74,8 +74,7 @@ std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<S
     for (const std::uint32_t k : index.near(places[i], reach_sigmas * options.reach_m)) {
       const ShiftSample* sample = sorted[k];
       if (const double d = distance(sample->p, places[i]) / options.reach_m; d <= reach_sigmas)
-        near.push_back(
-            {sample, sample->weight * std::exp(-0.5 * d * d) / (options.sample_sigma_m * options.sample_sigma_m)});
+        near.push_back({sample, sample->weight * std::exp(-0.5 * d * d) / (sample_sigma_m * sample_sigma_m)});
     }
     shifts[i] = fit_shift(near, options);
   });

@@ -22,11 +22,12 @@ struct Shift {
   double xx_m2 = 0.0, xy_m2 = 0.0, yy_m2 = 0.0;
 };
 
+inline constexpr double sample_sigma_m = 1.5;  ///< of a sample of weight 1: samples along a road err together
+
 struct ShiftFieldOptions {
-  double reach_m = 100.0;       ///< standard deviation of the Gaussian that weighs samples by their distance
-  double prior_m = 4.0;         ///< standard deviation of a shift that nothing is known about
-  double outlier_m = 1.0;       ///< Cauchy scale of an offset around the shift: single ways err on their own
-  double sample_sigma_m = 1.5;  ///< of a sample of weight 1: samples along a road err together
+  double reach_m = 100.0;  ///< standard deviation of the Gaussian that weighs samples by their distance
+  double prior_m = 4.0;    ///< standard deviation of a shift that nothing is known about
+  double outlier_m = 1.0;  ///< Cauchy scale of an offset around the shift: single ways err on their own
 };
 
 /// The shift at each of `places`: a robust local fit of a vector to the offsets around (iteratively reweighted least

@@ -6,8 +6,8 @@
 
 #include "orthodrive/model/roads/osm_data.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "orthodrive/synth/site_objects.hpp"
-#include "orthodrive/synth/terrain.hpp"
+#include "orthodrive/synth/ground/site_objects.hpp"
+#include "orthodrive/synth/ground/terrain.hpp"
 
 namespace orthodrive::synth {
 

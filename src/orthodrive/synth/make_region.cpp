@@ -14,8 +14,8 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/disturb_osm.hpp"
-#include "orthodrive/synth/paint_ortho.hpp"
-#include "orthodrive/synth/plan_index.hpp"
+#include "orthodrive/synth/paint/paint_ortho.hpp"
+#include "orthodrive/synth/plan/plan_index.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"
 
 namespace orthodrive {

@@ -7,7 +7,7 @@
 
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/synth/make_site.hpp"
-#include "orthodrive/synth/site_plan.hpp"
+#include "orthodrive/synth/plan/site_plan.hpp"
 
 namespace orthodrive {
 

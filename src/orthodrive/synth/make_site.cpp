@@ -11,12 +11,12 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/disturb_osm.hpp"
-#include "orthodrive/synth/label_classes.hpp"
-#include "orthodrive/synth/landmarks.hpp"
-#include "orthodrive/synth/paint_ortho.hpp"
-#include "orthodrive/synth/plan_presets.hpp"
+#include "orthodrive/synth/ground/landmarks.hpp"
+#include "orthodrive/synth/paint/label_classes.hpp"
+#include "orthodrive/synth/paint/paint_ortho.hpp"
+#include "orthodrive/synth/paint/world.hpp"
+#include "orthodrive/synth/plan/plan_presets.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"
-#include "orthodrive/synth/world.hpp"
 
 namespace orthodrive {
 namespace {

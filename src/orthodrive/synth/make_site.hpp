@@ -3,7 +3,6 @@
 // A synthetic site with exact truth: what a real site would deliver (photo, OSM, terrain models) and what no real site
 // has (the roads as they are). docs/synth.md describes what is in it. Plans: plan_presets.hpp, plan_from_track.hpp.
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,18 +11,14 @@
 #include "orthodrive/model/rasters/rasters.hpp"
 #include "orthodrive/model/roads/osm_data.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "orthodrive/synth/photo_textures.hpp"
+#include "orthodrive/synth/paint/photo_textures.hpp"
+#include "orthodrive/synth/paint/world_names.hpp"
 
 namespace orthodrive {
 
 namespace synth {
 struct SitePlan;
 }
-
-/// Of the worlds that have a name (synth/world.hpp); "random" is not among them.
-inline constexpr std::array world_names{"baltic",       "japan",    "japan_winter", "japan_film", "america",
-                                        "america_fall", "prairie",  "france",       "bohemia",    "winter",
-                                        "south",        "himalaya", "overcast"};
 
 struct SynthOptions {
   double size_m = 1000.0;  ///< edge of the square site, a multiple of 10 m; of the presets, a track brings its own
@@ -34,9 +29,9 @@ struct SynthOptions {
   double dtm_1m_sigma_m = 0.05;   ///< noise of the heights
   double dtm_10m_sigma_m = 0.10;
   int threads = 0;    ///< 0 = all cores; the result does not depend on it
-  std::string world;  ///< what the site looks like (synth/world.hpp): a name or "random"; empty: the plain one
+  std::string world;  ///< what the site looks like (synth/paint/world.hpp): a name or "random"; empty: the plain one
   const PhotoTextures* textures = nullptr;  ///< of real photos; none: surfaces as the generator paints them
-  /// Of the labels, with the classes of synth/label_classes.hpp; the site then shows landmarks, too. None: the default
+  /// Of the labels, with the classes of synth/paint/label_classes.hpp; the site then shows landmarks, too. None: the default
   /// table.
   const ClassTable* classes = nullptr;
   int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it

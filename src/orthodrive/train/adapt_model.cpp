@@ -30,6 +30,7 @@
 namespace orthodrive {
 namespace {
 
+constexpr double pull_to_start = 10.0;  // share of the way back to the shipped weights in a step, times the rate
 constexpr double adapt_beta1 = 0.9, adapt_beta2 = 0.999, adapt_eps = 1e-8;  // Kingma and Ba, 2015
 constexpr float set_weight = 0.7F;  // of pixels with several allowed classes, as the shipped model was trained
 constexpr double least_probability = 1e-4;
@@ -345,7 +346,7 @@ class DecoderTraining {
       for (std::size_t i = 1; i < leaves_.size(); ++i) gradient = gradient + leaves_[i][k]->grad();
       l.first_moment.mul_(adapt_beta1).add_(gradient, 1.0 - adapt_beta1);
       l.second_moment.mul_(adapt_beta2).addcmul_(gradient, gradient, 1.0 - adapt_beta2);
-      l.value.lerp_(l.start, std::min(1.0, rate * options_.pull));
+      l.value.lerp_(l.start, std::min(1.0, rate * pull_to_start));
       l.value.addcdiv_(l.first_moment, (l.second_moment / correction2).sqrt_().add_(adapt_eps), -rate / correction1);
       for (const std::vector<at::Tensor*>& copy : leaves_) {
         copy[k]->mutable_grad() = at::Tensor();

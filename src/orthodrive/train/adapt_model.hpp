@@ -30,7 +30,6 @@ struct AdaptOptions {
   std::int64_t steps = 60;  ///< of `batch` cells
   int batch = 4;
   double learning_rate = 1e-3;  ///< at the peak: it rises over a twentieth of the steps and falls as a half cosine
-  double pull = 10.0;           ///< share of the way back to the shipped weights in a step, times the rate
   double least_gain = 0.1;      ///< of kappa, else the shipped weights stay: a map that errs shows less for nothing
   double least_kappa = 0.35;    ///< of the adapted network, else the map is taken for that of another place
   std::uint64_t seed = 1;

@@ -11,6 +11,9 @@
 namespace orthodrive {
 namespace {
 
+// Share of the gain over no CRF that may be given up for a smaller lattice, and for fewer iterations.
+constexpr double tolerated_loss = 0.2;
+
 double merit(const CrfTrial& trial) { return 0.5 * (trial.pixel_accuracy + trial.mean_iou); }
 
 /// Weights of one lattice to try together, since building it costs as much as using it.
@@ -54,7 +57,7 @@ std::vector<CrfTrial> try_weights(std::span<const CrfSample> samples, int classe
 }
 
 /// The smallest lattice of all trials so far that keep enough of the best gain; among equals the best.
-CrfTrial smallest_lattice(const std::vector<CrfTrial>& trials, double tolerated_loss) {
+CrfTrial smallest_lattice(const std::vector<CrfTrial>& trials) {
   const CrfTrial& none = trials.front();
   const CrfTrial& top = *std::ranges::max_element(trials, {}, merit);
   if (merit(top) <= merit(none)) return none;
@@ -103,7 +106,7 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
   for (const double alpha : options.theta_alpha_px)
     for (const double beta : options.theta_beta)
       add(try_weights(samples, classes, {alpha, beta, 1.0}, weights, options.iterations, options));
-  const CrfTrial appearance = smallest_lattice(search.trials, options.tolerated_loss);
+  const CrfTrial appearance = smallest_lattice(search.trials);
   std::vector<CrfTrial> with_smoothness{appearance};
   weights.clear();
   for (const float w : options.smoothness_weight) weights.push_back({appearance.appearance_weight, w});
@@ -114,7 +117,7 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
     add(trials);
   }
   CrfTrial best = *std::ranges::max_element(with_smoothness, {}, merit);
-  const double enough = merit(best) - options.tolerated_loss * (merit(best) - merit(search.trials.front()));
+  const double enough = merit(best) - tolerated_loss * (merit(best) - merit(search.trials.front()));
   for (const int iterations : options.fewer_iterations) {
     if (iterations >= best.iterations) continue;
     const Weights one{best.appearance_weight, best.smoothness_weight};

@@ -26,8 +26,6 @@ struct CrfSearchOptions {
   std::vector<float> smoothness_weight{0.5F, 1.5F, 3.0F};
   int iterations = 10;
   std::vector<int> fewer_iterations{3, 5};  ///< tried at the end
-  /// Share of the gain over no CRF that may be given up for a smaller lattice, and for fewer iterations.
-  double tolerated_loss = 0.2;
   int threads = 0;
 };
 

@@ -32,7 +32,7 @@
 #include "orthodrive/model/rasters/class_table_json.hpp"
 #include "orthodrive/pipeline/sources/site.hpp"
 #include "orthodrive/pipeline/training/experiment.hpp"
-#include "orthodrive/synth/track_table.hpp"
+#include "orthodrive/synth/plan/track_table.hpp"
 
 namespace {
 namespace fs = std::filesystem;

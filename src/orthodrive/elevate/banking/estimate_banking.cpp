@@ -17,6 +17,8 @@
 namespace orthodrive {
 namespace {
 
+constexpr double largest_raceway_slope = 0.7;  // ovals are banked by up to 35 degrees
+
 using namespace elevate;
 
 constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a narrow angle
@@ -26,8 +28,7 @@ void check_banking(const RoadNetwork& roads, std::span<const HeightGrid> dtms, c
     if (!(dtm.crs == roads.crs))
       throw OptionError(fmt::format("banking: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
                                     dtm.crs.definition));
-  if (!(options.design_crown >= 0.0) || !(options.largest_slope > 0.0) || !(options.largest_raceway_slope > 0.0) ||
-      !(options.terrain_sigma_m > 0.0))
+  if (!(options.design_crown >= 0.0) || !(options.largest_slope > 0.0) || !(options.terrain_sigma_m > 0.0))
     throw OptionError("banking: limits and the noise of the terrain must be positive, the crown not negative");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("banking: way {} has fewer than two nodes", path.osm_id));
@@ -165,8 +166,7 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
   std::vector<double> limits;
   limits.reserve(chain.stations.size());
   for (const Station& station : chain.stations)
-    limits.push_back(roads.paths[station.path].highway == "raceway" ? options.largest_raceway_slope
-                                                                    : options.largest_slope);
+    limits.push_back(roads.paths[station.path].highway == "raceway" ? largest_raceway_slope : options.largest_slope);
   for (const BankingAnchor& anchor : anchors) {
     limits[anchor.station] = std::max(limits[anchor.station], std::abs(anchor.slope));
     walk_away(chain, anchor.station, INFINITY, [&](std::size_t i, double gone_m) {

@@ -18,7 +18,6 @@ struct BankingOptions {
   double design_crown =
       0.025;  ///< slope of both halves of a straight road (RASt 06, RAL 2012), where nothing is measured
   double largest_slope = 0.08;                    ///< |tan(banking)| of public roads (RAL 2012: 7 %, exceptions 8 %)
-  double largest_raceway_slope = 0.7;             ///< ovals are banked by up to 35 degrees
   DrivingSide driving_side = DrivingSide::right;  ///< one-way carriageways fall to that side
   double terrain_sigma_m = 0.05;  ///< noise of a terrain pixel to begin with; the pixels of a road correct it
   /// Where roads meet, all of them lie in the plane of their gradients there, the most important one too: for heights

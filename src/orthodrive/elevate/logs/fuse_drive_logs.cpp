@@ -39,10 +39,9 @@ void check_log(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLog
 }
 
 /// Step 1: where each recording was driven.
-std::vector<MatchLogResult> match_recordings(const RoadNetwork& roads, const DriveLog& log,
-                                             const MatchLogOptions& options, Monitor* monitor,
+std::vector<MatchLogResult> match_recordings(const RoadNetwork& roads, const DriveLog& log, Monitor* monitor,
                                              FuseDriveLogsResult& result) {
-  const LogMatcher matcher(roads, options);
+  const LogMatcher matcher(roads);
   std::vector<MatchLogResult> matches;
   for (std::size_t r = 0; r < log.recordings.size(); ++r) {
     const DriveRecording& recording = log.recordings[r];
@@ -141,7 +140,7 @@ FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& lo
                                     Monitor* monitor) {
   check_log(roads, log, options);
   FuseDriveLogsResult result{.roads = roads};
-  const std::vector<MatchLogResult> matches = match_recordings(roads, log, options.match, monitor, result);
+  const std::vector<MatchLogResult> matches = match_recordings(roads, log, monitor, result);
   const LogChains chains = make_log_chains(roads);
   const std::vector<DrivenSample> samples = samples_of(chains, log, matches);
   if (samples.empty()) return result;

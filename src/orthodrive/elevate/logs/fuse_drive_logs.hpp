@@ -43,7 +43,6 @@ struct SuspensionPrior {
 };
 
 struct FuseDriveLogsOptions {
-  MatchLogOptions match;
   DriveLogAccuracy accuracy;
   SuspensionPrior suspension;
   MeasureRoughnessOptions roughness;

@@ -25,8 +25,15 @@ struct LogMatcher::Roads {
 
 namespace {
 
-constexpr double longest_detour_m = 40.0;  // a way on roads may be longer than the straight line by so much
-constexpr double leave_road_log = -6.0;    // ln of the probability to leave roads, or to come back, between two poses
+constexpr double keyframe_m = 10.0;        // between matched poses; the others are placed on the way between them
+constexpr double lateral_sigma_m = 2.5;    // of a car beside the centre line: lanes, and the error of the line itself
+constexpr double heading_sigma_rad = 0.3;  // of the direction of travel to that of the road
+constexpr double mean_detour_m = 3.0;   // beta of eq. 2: mean difference between the way on roads and the straight line
+constexpr double no_road_sigmas = 3.5;  // beyond this many standard deviations "on no road" is more probable
+constexpr double unmatched_finding_m = 50.0;  // a stretch without road of this length is reported
+constexpr double slowest_heading_mps = 1.5;   // below, positions give no direction of travel
+constexpr double longest_detour_m = 40.0;     // a way on roads may be longer than the straight line by so much
+constexpr double leave_road_log = -6.0;  // ln of the probability to leave roads, or to come back, between two poses
 constexpr double impossible = -1e300;
 
 /// A state of the hidden Markov model.
@@ -48,10 +55,10 @@ std::vector<Polyline> lines_of(const RoadNetwork& roads) {
   return lines;
 }
 
-std::vector<Keyframe> choose_keyframes(const std::vector<DrivePose>& poses, double spacing_m) {
+std::vector<Keyframe> choose_keyframes(const std::vector<DrivePose>& poses) {
   std::vector<Keyframe> frames{{0, {}}};
   for (std::size_t i = 1; i < poses.size(); ++i)
-    if (distance(poses[i].p, poses[frames.back().pose].p) >= spacing_m) frames.push_back({i, {}});
+    if (distance(poses[i].p, poses[frames.back().pose].p) >= keyframe_m) frames.push_back({i, {}});
   if (frames.size() > 1 && frames.back().pose + 1 < poses.size()) frames.back().pose = poses.size() - 1;
   return frames;
 }
@@ -122,22 +129,21 @@ LogPlace project_between(const RoadPath& path, double s_low, double s_high, Vec2
 class Matching {
  public:
   Matching(const RoadNetwork& roads, const SegmentIndex& segments, const WaysOnRoads& ways,
-           const MatchLogOptions& options, const std::vector<DrivePose>& poses)
+           const std::vector<DrivePose>& poses)
       : roads_(roads),
         segments_(segments),
         ways_(ways),
-        options_(options),
         poses_(poses),
-        no_road_log_(-0.5 * options.no_road_sigmas * options.no_road_sigmas),
-        frames_(choose_keyframes(poses, options.spacing_m)) {}
+        no_road_log_(-0.5 * no_road_sigmas * no_road_sigmas),
+        frames_(choose_keyframes(poses)) {}
 
   /// Emissions: eq. 1 of the paper times a normal distribution of the heading.
   void find_candidates() {
     for (Keyframe& frame : frames_) {
       const DrivePose& pose = poses_[frame.pose];
-      const double sigma_m = std::hypot(pose.sigma_p_m, options_.lateral_sigma_m);
-      const double reach_m = (options_.no_road_sigmas + 1.0) * sigma_m;
-      const double heading = travel_heading(poses_, frame.pose, options_.slowest_heading_mps);
+      const double sigma_m = std::hypot(pose.sigma_p_m, lateral_sigma_m);
+      const double reach_m = (no_road_sigmas + 1.0) * sigma_m;
+      const double heading = travel_heading(poses_, frame.pose, slowest_heading_mps);
       const auto near = segments_.near(pose.p, reach_m);
       for (std::size_t a = 0, b = 0; a < near.size(); a = b) {  // the nearest place of every run of segments in a row
         while (b < near.size() && near[b].line == near[a].line && near[b].index - near[a].index == b - a) ++b;
@@ -203,7 +209,7 @@ class Matching {
       const std::size_t first = k - 1;
       double run_m = 0.0;
       for (; k < frames_.size() && !(on_road(k) && on_road(k - 1)); ++k) run_m += run_before_m(k);
-      if (run_m >= options_.unmatched_finding_m) add(Severity::info, "drive_log.unmatched", run_m, frames_[first].pose);
+      if (run_m >= unmatched_finding_m) add(Severity::info, "drive_log.unmatched", run_m, frames_[first].pose);
     }
   }
 
@@ -216,7 +222,7 @@ class Matching {
       const double turn =
           std::isnan(heading) ? 0.0 : wrapped_angle(heading - nearest.road_heading - (forward ? 0.0 : M_PI));
       candidate.log_emission =
-          -0.5 * (std::pow(nearest.distance_m / sigma_m, 2) + std::pow(turn / options_.heading_sigma_rad, 2));
+          -0.5 * (std::pow(nearest.distance_m / sigma_m, 2) + std::pow(turn / heading_sigma_rad, 2));
       if (candidate.log_emission > 2.0 * no_road_log_) frame.candidates.push_back(candidate);
     }
   }
@@ -233,7 +239,7 @@ class Matching {
       const WaysOnRoads::Reach reach = now.empty() ? WaysOnRoads::Reach{} : reach_between(k, before[b].place);
       for (std::size_t c = 0; c < now.size(); ++c) {
         const double detour_m = std::abs(ways_.way_m(before[b].place, now[c].place, reach) - straight_m);
-        if (detour_m <= longest_detour_m) offer(b, c, -detour_m / options_.detour_m);
+        if (detour_m <= longest_detour_m) offer(b, c, -detour_m / mean_detour_m);
       }
       offer(b, now.size(), leave_road_log);
     }
@@ -272,7 +278,6 @@ class Matching {
   const RoadNetwork& roads_;
   const SegmentIndex& segments_;
   const WaysOnRoads& ways_;
-  const MatchLogOptions& options_;
   const std::vector<DrivePose>& poses_;
   double no_road_log_;
   std::vector<Keyframe> frames_;
@@ -281,17 +286,15 @@ class Matching {
 
 }  // namespace
 
-LogMatcher::LogMatcher(const RoadNetwork& roads, const MatchLogOptions& options)
-    : network_(roads),
-      options_(options),
-      roads_(std::make_unique<Roads>(SegmentIndex(lines_of(roads)), WaysOnRoads(roads))) {}
+LogMatcher::LogMatcher(const RoadNetwork& roads)
+    : network_(roads), roads_(std::make_unique<Roads>(SegmentIndex(lines_of(roads)), WaysOnRoads(roads))) {}
 LogMatcher::~LogMatcher() = default;
 
 MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::string& name) const {
   MatchLogResult result;
   result.places.resize(recording.poses.size());
   if (recording.poses.empty()) return result;
-  Matching matching(network_, roads_->segments, roads_->ways, options_, recording.poses);
+  Matching matching(network_, roads_->segments, roads_->ways, recording.poses);
   matching.find_candidates();
   matching.find_states();
   matching.place_poses(result);

@@ -19,16 +19,6 @@
 
 namespace orthodrive {
 
-struct MatchLogOptions {
-  double spacing_m = 10.0;            ///< between matched poses; the others are placed on the way between them
-  double lateral_sigma_m = 2.5;       ///< of a car beside the centre line: lanes, and the error of the line itself
-  double heading_sigma_rad = 0.3;     ///< of the direction of travel to that of the road
-  double detour_m = 3.0;              ///< beta of eq. 2: mean difference between the way on roads and the straight line
-  double no_road_sigmas = 3.5;        ///< beyond this many standard deviations "on no road" is more probable
-  double unmatched_finding_m = 50.0;  ///< a stretch without road of this length is reported
-  double slowest_heading_mps = 1.5;   ///< below, positions give no direction of travel
-};
-
 /// A pose on a road.
 struct LogPlace {
   std::size_t path = 0;
@@ -47,7 +37,7 @@ struct MatchLogResult {
 class LogMatcher {
  public:
   /// Keeps a reference to the roads. Needs s_m of the nodes to ascend, as every stage leaves it.
-  explicit LogMatcher(const RoadNetwork& roads, const MatchLogOptions& options = {});
+  explicit LogMatcher(const RoadNetwork& roads);
   ~LogMatcher();
   /// One-way roads are driven forward only. Linear in the length of the recording.
   [[nodiscard]] MatchLogResult match(const DriveRecording& recording, const std::string& name) const;
@@ -55,7 +45,6 @@ class LogMatcher {
  private:
   struct Roads;
   const RoadNetwork& network_;
-  MatchLogOptions options_;
   std::unique_ptr<Roads> roads_;
 };
 

@@ -14,6 +14,11 @@
 namespace orthodrive {
 namespace {
 
+constexpr double imu_noise_mps2_per_root_hz =
+    0.02;                                      // white noise of the sensor and of the engine (a phone's accelerometer)
+constexpr double slowest_window_mps = 5.0;     // in slower windows the engine shakes more than the road
+constexpr double periodogram_s = 2.56;         // half of each overlaps the next
+constexpr double shortest_stretch_m = 100.0;   // a shorter path is one stretch
 constexpr double greatest_speed_spread = 0.3;  // within a window, of its mean speed: wave numbers smear by it
 constexpr double overlap_information = 0.5;    // half overlapping Hann windows hold twice the independent values
 
@@ -23,8 +28,8 @@ struct SpectralValue {
 };
 using StretchKey = std::pair<std::size_t, std::size_t>;  // path, number of the stretch
 
-std::size_t stretch_count(const RoadPath& path, double stretch_m) {
-  return static_cast<std::size_t>(std::max(1.0, std::floor(path.nodes.back().s_m / stretch_m)));
+std::size_t stretch_count(const RoadPath& path) {
+  return static_cast<std::size_t>(std::max(1.0, std::floor(path.nodes.back().s_m / shortest_stretch_m)));
 }
 
 /// |z_body / z_road|^2 of both axles and both tracks. The rear axle follows over the same profile; the tracks are
@@ -41,8 +46,7 @@ struct WindowPlace {
   double speed_mps = 0.0;
   LogPlace place;
 };
-std::optional<WindowPlace> place_window(const MatchedRecording& matched, double from_s, double to_s,
-                                        double slowest_mps) {
+std::optional<WindowPlace> place_window(const MatchedRecording& matched, double from_s, double to_s) {
   const auto& poses = matched.recording->poses;
   const auto index_at = [&](double t) {
     const auto at = std::lower_bound(poses.begin(), poses.end(), t,
@@ -63,7 +67,7 @@ std::optional<WindowPlace> place_window(const MatchedRecording& matched, double 
     low = std::min(low, speed), high = std::max(high, speed);
   }
   const double mean = 0.5 * (low + high);
-  if (!(low >= slowest_mps) || high - low > greatest_speed_spread * mean) return std::nullopt;
+  if (!(low >= slowest_window_mps) || high - low > greatest_speed_spread * mean) return std::nullopt;
   return WindowPlace{mean, *in_middle};
 }
 
@@ -79,7 +83,7 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
   const auto& imu = matched.recording->imu;
   if (imu.size() < 3 || matched.recording->poses.size() < 2) return;
   const double step_s = usual_step_s(imu);
-  const std::size_t n = static_cast<std::size_t>(options.window_s / step_s);
+  const std::size_t n = static_cast<std::size_t>(periodogram_s / step_s);
   const double highest_hz = std::min(options.highest_hz, 0.4 / step_s);  // sensors roll off before half their rate
   if (n < 16 || highest_hz <= options.lowest_hz) return;
   std::vector<double> hann(n);
@@ -93,7 +97,7 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
     const double from_s = imu[begin].time_s, to_s = imu[begin + n - 1].time_s;
     if (std::abs((to_s - from_s) / (static_cast<double>(n - 1) * step_s) - 1.0) > 0.02)
       continue;  // samples are missing
-    const auto window = place_window(matched, from_s, to_s, options.slowest_mps);
+    const auto window = place_window(matched, from_s, to_s);
     if (!window) continue;
     double mean = 0.0, slope = 0.0, squares = 0.0;
     const double middle = 0.5 * static_cast<double>(n - 1);
@@ -106,7 +110,7 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
     for (std::size_t i = 0; i < n; ++i)
       x[i] = (x[i] - mean - slope / squares * (static_cast<double>(i) - middle)) * hann[i];
     const RoadPath& path = roads.paths[window->place.path];
-    const std::size_t stretches = stretch_count(path, options.stretch_m);
+    const std::size_t stretches = stretch_count(path);
     const std::size_t stretch =
         std::min(stretches - 1, static_cast<std::size_t>(std::max(0.0, window->place.s_m) / path.nodes.back().s_m *
                                                          static_cast<double>(stretches)));
@@ -123,7 +127,7 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
       list.push_back(
           {wave_number, 2.0 * std::norm(sum) * step_s / power,
            body_acceleration_gain2(options.car, hz) * vehicle_share(options, wave_number) / window->speed_mps,
-           options.noise_mps2_per_root_hz * options.noise_mps2_per_root_hz});
+           imu_noise_mps2_per_root_hz * imu_noise_mps2_per_root_hz});
     }
   }
 }
@@ -174,16 +178,14 @@ double body_acceleration_gain2(const QuarterCar& car, double frequency_hz) {
 std::vector<RoughnessStretch> measure_roughness(const RoadNetwork& roads,
                                                 const std::vector<MatchedRecording>& recordings,
                                                 const MeasureRoughnessOptions& options) {
-  if (!(options.stretch_m > 0.0) || !(options.window_s > 0.0) || !(options.lowest_hz > 0.0) ||
-      !(options.slowest_mps > 0.0))
-    throw OptionError("roughness: stretch, window, lowest frequency and slowest speed must be positive");
+  if (!(options.lowest_hz > 0.0)) throw OptionError("roughness: the lowest frequency must be positive");
   std::map<StretchKey, std::vector<SpectralValue>> values;
   for (const MatchedRecording& matched : recordings) add_windows(roads, matched, options, values);
   std::vector<RoughnessStretch> stretches;
   for (const auto& [key, list] : values) {
     if (list.empty()) continue;
     const RoadPath& path = roads.paths[key.first];
-    const double length = path.nodes.back().s_m / static_cast<double>(stretch_count(path, options.stretch_m));
+    const double length = path.nodes.back().s_m / static_cast<double>(stretch_count(path));
     RoughnessStretch stretch = fit_spectrum(list, options);
     stretch.osm_id = path.osm_id, stretch.part = path.part;
     stretch.s_begin_m = static_cast<double>(key.second) * length,

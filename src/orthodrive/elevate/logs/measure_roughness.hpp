@@ -26,13 +26,9 @@ struct QuarterCar {
 struct MeasureRoughnessOptions {
   QuarterCar car;
   double wheelbase_m = 2.7, track_m = 1.55;
-  double sensor_from_rear = 0.6;              ///< of the wheelbase: a phone at the windscreen
-  double sigma_ln_car = 0.5;                  ///< of ln G_d for a car that is not known better than by these numbers
-  double noise_mps2_per_root_hz = 0.02;       ///< white noise of the sensor and of the engine (a phone's accelerometer)
-  double lowest_hz = 1.0, highest_hz = 20.0;  ///< below the body's resonance braking and slopes, above the engine
-  double slowest_mps = 5.0;
-  double window_s = 2.56;                       ///< of the periodograms, half of each overlapping the next
-  double stretch_m = 100.0;                     ///< shortest stretch; a shorter path is one
+  double sensor_from_rear = 0.6;                ///< of the wheelbase: a phone at the windscreen
+  double sigma_ln_car = 0.5;                    ///< of ln G_d for a car that is not known better than by these numbers
+  double lowest_hz = 1.0, highest_hz = 20.0;    ///< below the body's resonance braking and slopes, above the engine
   double waviness = 2.0, waviness_sigma = 0.3;  ///< prior of w (ISO 8608: 2; measured roads 1.5 to 2.7)
 };
 

@@ -33,6 +33,8 @@ SurfaceErrors surface_errors(const RoadNetwork& roads, const RoadTruth& truth, c
 
 namespace {
 
+constexpr double other_road_m = 15.0;  // a road further across than this is another road
+
 /// Width of the surface across a line at p, where it is on it: between the two borders around p.
 std::optional<double> width_across(const MultiPolygon& surface, Vec2 p, Vec2 direction) {
   const Vec2 left = left_normal(direction);
@@ -210,7 +212,7 @@ class LineScores {
 
  private:
   RoadPlace measure_place(std::size_t line, const TruthPlace& at) {
-    const evaluate::RoadsAcross::Query query{.p = at.p, .direction = at.direction, .reach_m = options_.search_m};
+    const evaluate::RoadsAcross::Query query{.p = at.p, .direction = at.direction, .reach_m = other_road_m};
     RoadPlace place{line, at.p, no_value, no_value, no_value, no_value, no_value};
     const auto road = index_.find(query);
     if (road) place.offset_m = road->offset_m;

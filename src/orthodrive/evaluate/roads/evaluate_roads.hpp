@@ -30,9 +30,8 @@ struct RoadTruth {
 [[nodiscard]] RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs);
 
 struct EvaluateRoadsOptions {
-  ScoreRegion region;      ///< in the CRS of the roads
-  double step_m = 2.0;     ///< between samples along truth lines
-  double search_m = 15.0;  ///< a road further across than this is another road
+  ScoreRegion region;   ///< in the CRS of the roads
+  double step_m = 2.0;  ///< between samples along truth lines
   /// The roads before refinement, in the same CRS: adds moved_away. Must live as long as the call.
   const RoadNetwork* before = nullptr;
 };

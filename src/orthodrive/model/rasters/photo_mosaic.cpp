@@ -11,6 +11,8 @@
 
 namespace orthodrive {
 namespace {
+
+constexpr double color_reach_m = 40.0;  // sigma of the Gaussian that smooths differences of colour; at least one cell
 using Color = std::array<float, 3>;
 
 constexpr double finest_cell_m = 4.0;  // of overviews: some metres tell colours of surfaces, not of single things
@@ -20,7 +22,8 @@ constexpr double rim_cells = 1.5;
 // At its rim a photo has no weight, but a place where all photos are at their rims needs a colour.
 constexpr float least_weight = 1.0F / 1024.0F;
 
-double feather_m(const MosaicOptions& options, double cell_m) { return std::max(options.feather_m, 2.0 * cell_m); }
+/// Width of the strip inside a photo's rim over which it fades.
+double feather_m(double cell_m) { return std::max(15.0, 2.0 * cell_m); }
 
 /// Distance of each cell from the nearest one without data, in cells, from centre to centre; at most `most` + 1.
 Raster<float> cells_from_gaps(const Raster<std::uint8_t>& valid, int most) {
@@ -50,8 +53,8 @@ Raster<float> cells_from_gaps(const Raster<std::uint8_t>& valid, int most) {
 }
 
 /// 0 at the rim, 1 a feather inside of it.
-Raster<float> weights_of(const Photo& overview, const MosaicOptions& options) {
-  const double feather_cells = feather_m(options, overview.frame.gsd_m) / overview.frame.gsd_m;
+Raster<float> weights_of(const Photo& overview) {
+  const double feather_cells = feather_m(overview.frame.gsd_m) / overview.frame.gsd_m;
   Raster<float> weights = cells_from_gaps(overview.valid, static_cast<int>(std::ceil(feather_cells + rim_cells)));
   for (float& value : weights.data) {
     const float t = std::clamp((value - static_cast<float>(rim_cells)) / static_cast<float>(feather_cells), 0.0F, 1.0F);
@@ -151,7 +154,7 @@ void match_moments(const std::vector<Blend>& above, const Photo& photo, const st
   }
 }
 
-ColorMatch match_colors(const std::vector<Blend>& above, const Photo& photo, const MosaicOptions& options) {
+ColorMatch match_colors(const std::vector<Blend>& above, const Photo& photo) {
   constexpr float largest_difference = 64.0F;  // grey levels; beyond it, as under a cloud, the ground is not the same
   constexpr float support_for_half = 0.02F;    // share of the Gaussian over the overlap where the rest counts half
   std::vector<std::uint8_t> common(above.size());
@@ -170,7 +173,7 @@ ColorMatch match_colors(const std::vector<Blend>& above, const Photo& photo, con
           std::clamp(should[c] - match.gain[c] * is[c] - match.offset[c], -largest_difference, largest_difference);
     rest.data[4 * cell + 3] = 1.0F;
   }
-  blur(rest, std::max(1.0, options.reach_m / photo.frame.gsd_m));
+  blur(rest, std::max(1.0, color_reach_m / photo.frame.gsd_m));
   match.rest = Raster<float>(photo.rgb.width, photo.rgb.height, 3);
   for (std::size_t cell = 0; cell < common.size(); ++cell)
     for (std::size_t c = 0; c < 3; ++c)
@@ -193,13 +196,12 @@ struct Tap {
 
 class Mosaic {
  public:
-  Mosaic(std::vector<MosaicPhoto> photos, const MosaicOptions& options)
-      : frame_(photos.front().photo.frame), cells_(photos.front().overview.frame) {
+  Mosaic(std::vector<MosaicPhoto> photos) : frame_(photos.front().photo.frame), cells_(photos.front().overview.frame) {
     std::vector<Blend> above(photos.front().overview.valid.data.size());
     for (MosaicPhoto& photo : photos) {
       assert(photo.photo.frame == frame_ && photo.overview.frame == cells_);
-      Layer layer{std::move(photo.photo), weights_of(photo.overview, options), {}};
-      if (!layers_.empty()) layer.match = match_colors(above, photo.overview, options);
+      Layer layer{std::move(photo.photo), weights_of(photo.overview), {}};
+      if (!layers_.empty()) layer.match = match_colors(above, photo.overview);
       for (std::size_t cell = 0; cell < above.size(); ++cell)
         if (photo.overview.valid.data[cell]) {
           Color rest{};
@@ -315,19 +317,18 @@ class Mosaic {
 };
 }  // namespace
 
-GridFrame mosaic_overview_frame(const GridFrame& mosaic, std::span<const double> photo_gsds_m,
-                                const MosaicOptions& options) {
+GridFrame mosaic_overview_frame(const GridFrame& mosaic, std::span<const double> photo_gsds_m) {
   const Box2 box = mosaic.bounds();
   const double least_m = std::sqrt(box.width() * box.height() * static_cast<double>(photo_gsds_m.size()) / most_cells);
   const double cell_m = std::max({finest_cell_m, least_m, *std::ranges::max_element(photo_gsds_m)});
-  const double margin_m = 2.0 * std::max(feather_m(options, cell_m), options.reach_m) + 2.0 * cell_m;
+  const double margin_m = 2.0 * std::max(feather_m(cell_m), color_reach_m) + 2.0 * cell_m;
   return covering_grid(box.grown(margin_m), cell_m);
 }
 
-PhotoSource mosaic_of(std::vector<MosaicPhoto> photos, const MosaicOptions& options) {
+PhotoSource mosaic_of(std::vector<MosaicPhoto> photos) {
   assert(!photos.empty());
   const Crs crs = photos.front().photo.crs;
-  const auto mosaic = std::make_shared<const Mosaic>(std::move(photos), options);
+  const auto mosaic = std::make_shared<const Mosaic>(std::move(photos));
   return {crs, mosaic->frame(), [mosaic](const PixelBox& box) { return mosaic->read(box); }};
 }
 

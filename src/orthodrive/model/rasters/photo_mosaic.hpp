@@ -19,15 +19,9 @@
 
 namespace orthodrive {
 
-struct MosaicOptions {
-  double feather_m = 15.0;  ///< width of the strip inside a photo's rim over which it fades; at least two cells
-  double reach_m = 40.0;    ///< sigma of the Gaussian that smooths differences of colour; at least one cell
-};
-
 /// The grid of the overviews: the mosaic's box and a margin in cells of 4 m, or in larger ones, so that none is finer
 /// than a photo, and all photos together have no more than about two million cells.
-[[nodiscard]] GridFrame mosaic_overview_frame(const GridFrame& mosaic, std::span<const double> photo_gsds_m,
-                                              const MosaicOptions& options = {});
+[[nodiscard]] GridFrame mosaic_overview_frame(const GridFrame& mosaic, std::span<const double> photo_gsds_m);
 
 struct MosaicPhoto {
   PhotoSource photo;  ///< on the grid of the mosaic
@@ -36,6 +30,6 @@ struct MosaicPhoto {
 
 /// Best first, at least one. Where one photo alone has data, and where the first has full weight, pixels are those of
 /// the photo; photos below it are not read there. Reading takes little more memory than reading one photo.
-[[nodiscard]] PhotoSource mosaic_of(std::vector<MosaicPhoto> photos, const MosaicOptions& options = {});
+[[nodiscard]] PhotoSource mosaic_of(std::vector<MosaicPhoto> photos);
 
 }  // namespace orthodrive

@@ -26,10 +26,9 @@ double iso_8608_mean_m3(char road_class) {
 
 RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed,
                                const RoughnessFieldOptions& options) {
-  if (!(options.shortest_wave_m > 0.0) || !(options.longest_wave_m > options.shortest_wave_m) || options.waves < 1 ||
-      !(options.blend_m >= 0.0))
+  if (!(options.shortest_wave_m > 0.0) || !(options.longest_wave_m > options.shortest_wave_m) || options.waves < 1)
     throw OptionError("roughness: needs 0 < shortest wave < longest wave, a wave at least");
-  half_blend_m_ = 0.5 * options.blend_m;
+  half_blend_m_ = 0.5 * 10.0;  // one stretch goes over into the next within 10 m; ends go to 0 inside their stretch
   for (const RoughnessStretch& r : stretches) {
     if (!(r.waviness > 1.0)) throw OptionError("roughness: needs a waviness above 1");
     half_blend_m_ = std::min(half_blend_m_, 0.5 * (r.s_end_m - r.s_begin_m));

@@ -29,7 +29,6 @@ struct RoughnessStretch {
 struct RoughnessFieldOptions {
   double shortest_wave_m = 0.1, longest_wave_m = 20.0;  ///< along the road; longer ones are in the profile
   int waves = 160;
-  double blend_m = 10.0;  ///< over which one stretch goes over into the next; ends go to 0 inside their stretch
 };
 
 /// A height to add to a road's surface, a pure function of the place (s along the path, t to its left). Along every

@@ -15,11 +15,11 @@
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/pipeline/files/network_spec.hpp"
 #include "orthodrive/pipeline/files/toml_section.hpp"
-#include "orthodrive/synth/label_classes.hpp"
 #include "orthodrive/synth/make_region.hpp"
-#include "orthodrive/synth/plan_from_track.hpp"
-#include "orthodrive/synth/plan_presets.hpp"
-#include "orthodrive/synth/world.hpp"
+#include "orthodrive/synth/paint/label_classes.hpp"
+#include "orthodrive/synth/paint/world.hpp"
+#include "orthodrive/synth/plan/plan_from_track.hpp"
+#include "orthodrive/synth/plan/plan_presets.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;

@@ -12,9 +12,11 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double least_width_m = 0.2;    // of lanes: beside narrower ones there is one border for both
-constexpr double cut_step_m = 5.0;       // lanes begin and end within this
-constexpr double end_rounding_m = 1e-6;  // sections count up to their end
+constexpr double chord_tolerance_m = 0.02;  // of chords from the borders, in plan
+constexpr double longest_chord_m = 20.0;    // of chords: their ends carry the road's colour, too
+constexpr double least_width_m = 0.2;       // of lanes: beside narrower ones there is one border for both
+constexpr double cut_step_m = 5.0;          // lanes begin and end within this
+constexpr double end_rounding_m = 1e-6;     // sections count up to their end
 
 /// The border on the outer side of a lane, or for id 0 the middle of the road.
 struct LaneBorder {
@@ -64,18 +66,18 @@ double to_chord_m(Vec2 p, Vec2 a, Vec2 b) {
 }
 
 /// Appends the border after `from` up to `to`.
-void append_chords(const LaneBorder& border, double from, double to, const LaneCutOptions& options, Polyline& line) {
+void append_chords(const LaneBorder& border, double from, double to, Polyline& line) {
   const Vec2 a = border.at(from), b = border.at(to);
-  bool is_straight = to - from <= options.longest_m;
+  bool is_straight = to - from <= longest_chord_m;
   for (const double share : {0.25, 0.5, 0.75})
-    is_straight = is_straight && to_chord_m(border.at(from + share * (to - from)), a, b) <= options.tolerance_m;
+    is_straight = is_straight && to_chord_m(border.at(from + share * (to - from)), a, b) <= chord_tolerance_m;
   constexpr double shortest_m = 0.5;
   if (is_straight || to - from < 2.0 * shortest_m) {
     line.push_back(b);
     return;
   }
-  append_chords(border, from, 0.5 * (from + to), options, line);
-  append_chords(border, 0.5 * (from + to), to, options, line);
+  append_chords(border, from, 0.5 * (from + to), line);
+  append_chords(border, 0.5 * (from + to), to, line);
 }
 
 /// The joint's point at p, or p.
@@ -86,8 +88,7 @@ Vec2 at_joint(Vec2 p, std::span<const Vec2> joint) {
   return p;
 }
 
-void add_border(const LaneBorder& border, const EndPoints& joints, const LaneCutOptions& options,
-                std::vector<Polyline>& cuts) {
+void add_border(const LaneBorder& border, const EndPoints& joints, std::vector<Polyline>& cuts) {
   const int parts = std::max(1, static_cast<int>(std::ceil((border.end_m - border.start_m) / cut_step_m)));
   const auto s_of = [&](int k) {
     return k == parts ? border.end_m - end_rounding_m : border.start_m + (border.end_m - border.start_m) * k / parts;
@@ -97,7 +98,7 @@ void add_border(const LaneBorder& border, const EndPoints& joints, const LaneCut
     int last = first + 1;
     while (last < parts && border.is_between_lanes(s_of(last + 1))) ++last;
     Polyline line = {border.at(s_of(first))};
-    append_chords(border, s_of(first), s_of(last), options, line);
+    append_chords(border, s_of(first), s_of(last), line);
     if (s_of(first) <= 0.0) line.front() = at_joint(line.front(), joints.start);
     if (last == parts && border.end_m >= border.road.length) line.back() = at_joint(line.back(), joints.end);
     for (Vec2& p : line) p = snap_to_grid(p);
@@ -129,11 +130,11 @@ void add_across(const CrossSection& section, std::vector<Polyline>& cuts) {
 }  // namespace
 
 std::vector<Polyline> lane_cuts(const roadquery::Road& road, const std::vector<CrossSection>& strip,
-                                const EndPoints& joints, const LaneCutOptions& options) {
+                                const EndPoints& joints) {
   std::vector<Polyline> cuts;
   if (road.junction >= 0 || strip.size() < 2) return cuts;
   for (std::size_t i = 0; i < road.sections.size(); ++i) {
-    visit_borders(road, i, [&](const LaneBorder& border) { add_border(border, joints, options, cuts); });
+    visit_borders(road, i, [&](const LaneBorder& border) { add_border(border, joints, cuts); });
     if (i == 0) continue;
     const auto at = std::ranges::find(strip, road.sections[i].s, &CrossSection::s_m);
     if (at != strip.end()) add_across(*at, cuts);

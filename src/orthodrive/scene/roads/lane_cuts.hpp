@@ -11,16 +11,11 @@
 
 namespace orthodrive::scene {
 
-struct LaneCutOptions {
-  double tolerance_m = 0.02;  ///< of chords from the borders, in plan
-  double longest_m = 20.0;    ///< of chords: their ends carry the road's colour, too
-};
-
 /// Lines along the borders between the lanes of a road, and across it at its ends and where its lanes change; on the
 /// plan grid. None of connecting roads: a junction has one surface. `strip`: the road's sections as its level has them.
 /// At joints lines end in the joint's points.
 [[nodiscard]] std::vector<Polyline> lane_cuts(const roadquery::Road& road, const std::vector<CrossSection>& strip,
-                                              const EndPoints& joints, const LaneCutOptions& options = {});
+                                              const EndPoints& joints);
 
 /// t of the borders between the lanes of a road at an end, from right to left, without the outer edges.
 [[nodiscard]] std::vector<double> lane_borders_at(const roadquery::Road& road, bool at_end);
