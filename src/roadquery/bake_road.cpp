@@ -7,6 +7,7 @@
 
 #include "roadquery/bake_lanes.hpp"
 #include "roadquery/baked_surface.hpp"
+#include "roadquery/poly_curve.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace roadquery {
@@ -43,16 +44,9 @@ void expand_clothoid(double k, double k1, Middle& middle) {
 }
 
 void expand_poly(const PlanElement& e, const ParamPoly3& q, double ds, Middle& middle) {
-  const double dp_ds = q.normalized && e.length > 0.0 ? 1.0 / e.length : 1.0, p = ds * dp_ds;
-  double u[4], v[4];
-  shift_cubic({q.a_u, q.b_u, q.c_u, q.d_u}, p, u);
-  shift_cubic({q.a_v, q.b_v, q.c_v, q.d_v}, p, v);
-  const double turn = middle.at.hdg - e.hdg, c = std::cos(turn), n = std::sin(turn);
-  double scale = dp_ds;
-  for (int i = 1; i < 4; ++i, scale *= dp_ds) {
-    middle.along[i - 1] = scale * (c * u[i] + n * v[i]);
-    if (i > 1) middle.left[i - 2] = scale * (c * v[i] - n * u[i]);
-  }
+  const PolySeries series = series_around(q, place_along(e, q, ds), middle.at.hdg - e.hdg);
+  std::copy(series.along.begin(), series.along.end(), middle.along);
+  std::copy(series.left.begin() + 1, series.left.end(), middle.left);
 }
 
 double spiral_rate(const PlanElement& e, const Spiral& spiral) {
@@ -153,8 +147,11 @@ class StationMaker {
     station.speed = f(middle.along[0]);
     for (int i = 0; i < 4; ++i) station.bend[i][0] = f(middle.along[i + 1]), station.bend[i][1] = f(middle.left[i]);
     station.s = s, station.half_m = f(half);
-    if (half > 2.0 * shortest_half_m && (error_at(station, element, half) > baked_plan_error_m ||
-                                         error_at(station, element, -half) > baked_plan_error_m)) {
+    // Of cubics no length is planned: they are cut until they are as good as clothoids.
+    const bool is_poly = std::holds_alternative<ParamPoly3>(element.shape) && half > short_half_m;
+    const double most_m = is_poly ? planned_error_m : baked_plan_error_m;
+    if (half > 2.0 * shortest_half_m &&
+        (error_at(station, element, half) > most_m || error_at(station, element, -half) > most_m)) {
       add_station(element, begin, s);
       add_station(element, s, end);
       return;

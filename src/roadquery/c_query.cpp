@@ -17,7 +17,8 @@ using roadquery::Place;
 
 constexpr bool is_same(int flag, unsigned part) { return static_cast<unsigned>(flag) == part; }
 static_assert(is_same(RQ_NORMAL, roadquery::hit_normal) && is_same(RQ_POSITION, roadquery::hit_position) &&
-              is_same(RQ_CURVATURE, roadquery::hit_curvature) && is_same(RQ_MATERIAL, roadquery::hit_material));
+              is_same(RQ_CURVATURE, roadquery::hit_curvature) && is_same(RQ_MATERIAL, roadquery::hit_material) &&
+              is_same(RQ_OWN, roadquery::hit_own));
 
 constexpr double no_guess = std::numeric_limits<double>::quiet_NaN();
 
@@ -50,7 +51,7 @@ void write_cursor(const Cursor& cursor, rq_cursor& given) {
 int find(const rq_map& map, rq_cursor& cursor, double x, double y, double z_guess, unsigned what, Hit& hit) {
   if (!std::isfinite(x) || !std::isfinite(y)) return RQ_BAD_INPUT;
   Cursor at = read_cursor(cursor);
-  const Place place = map.ground.find(x, y, z_guess, at, what & RQ_ALL, hit);
+  const Place place = map.ground.find(x, y, z_guess, at, what & (RQ_ALL | RQ_OWN), hit);
   write_cursor(at, cursor);
   return status_of(place);
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "roadquery/speed_limits.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -15,6 +17,11 @@ const Road* road_outside(const RoadMap& map, const RoadLink& link) {
 
 bool same(const LaneMaterial& a, const LaneMaterial& b) {
   return a.s_offset == b.s_offset && a.surface == b.surface && a.friction == b.friction && a.roughness == b.roughness;
+}
+
+/// At the end of a road that a link names.
+double limit_at(const Road& road, const RoadLink& link) {
+  return fastest_limit_mps(road, link.contact == ContactPoint::end ? road.length : 0.0);
 }
 
 /// Of all driving lanes of a road.
@@ -43,7 +50,7 @@ Inherited inherited(const RoadMap& map, const Road& road) {
   }
   if (!before || !after) return from;
   if (before->osm_id == after->osm_id) from.osm_id = before->osm_id;
-  from.speed_limit_mps = std::min(before->speed_limit_mps, after->speed_limit_mps);
+  from.speed_limit_mps = std::min(limit_at(*before, road.predecessor), limit_at(*after, road.successor));
   return from;
 }
 

@@ -12,7 +12,7 @@ namespace roadquery {
 struct Inherited {
   std::string osm_id;            ///< of both roads, where it is the same
   std::string highway;           ///< of the road before
-  double speed_limit_mps = 0.0;  ///< the lower one of both; 0: one of them has none
+  double speed_limit_mps = 0.0;  ///< the lower one of both where they meet it; 0: one has none; infinity: "no limit"
   /// Of all driving lanes of the road before, where its friction is 1: what other readers assume without.
   std::optional<LaneMaterial> material;
 };

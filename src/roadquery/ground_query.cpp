@@ -64,12 +64,12 @@ std::optional<TerrainPoint> GroundQuery::ground_beside_roads(double x, double y)
 }
 
 SurfacePoint GroundQuery::point(int road, double s, double t) const {
-  SurfacePoint point = surface_point(roads_.map().roads[static_cast<std::size_t>(road)], s, t);
-  Cursor cursor{road, s};
-  const auto hit = roads_.find(point.x, point.y, point.z, cursor);
-  if (!hit || std::abs(hit->z - point.z) > level_of_roads_m) return point;
-  point.z = hit->z;
-  for (std::size_t k = 0; k < 3; ++k) point.normal[k] = hit->normal[k];
+  const auto index = static_cast<std::size_t>(road);
+  SurfacePoint point = surface_point(roads_.map().roads[index], s, t);
+  const auto own = roads_.at(index, s, t);
+  if (!own) return point;
+  point.z = own->z;
+  for (std::size_t k = 0; k < 3; ++k) point.normal[k] = own->normal[k];
   return point;
 }
 
@@ -80,8 +80,9 @@ GroundQuery read_ground(const GroundFiles& files, GroundStage& stage) {
   if (!files.terrain.empty()) {
     stage = GroundStage::terrain;
     terrain = read_terrain_grid(files.terrain);
-    if (map.header_offset_hdg != 0.0)
-      throw std::runtime_error(files.terrain + ": cannot be laid under roads whose <offset> has a heading");
+    if (map.header_offset_hdg != 0.0 && files.offset != HeaderOffset::add)
+      throw std::runtime_error(files.terrain +
+                               ": cannot be laid under roads whose <offset> has a heading, unless it is added");
     move_to_roads(*terrain, map, files.offset);
   }
   if (!files.ignore_crg) {

@@ -62,7 +62,8 @@ class GroundQuery {
   }
   /// Ids of a road and of its junction (-1: none), by the road's index.
   [[nodiscard]] RoadIds ids(int road) const { return ids_[static_cast<std::size_t>(road)]; }
-  /// Point (s, t) of a road, by its index, with the height and normal that find() gives there.
+  /// Point (s, t) of a road, by its index: the road's own surface with its lanes' heights and OpenCRG files, whatever
+  /// overlaps it there.
   [[nodiscard]] SurfacePoint point(int road, double s, double t) const;
 
  private:

@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenDRIVE, element by element. Elements are told apart by their name and their parent's; what the structs of
-// road_map.hpp do not hold (signals, objects of other kinds, ...) is passed over.
+// OpenDRIVE, element by element. Elements are told apart by their name and their parent's. What element_table.hpp does
+// not have as read is passed over with all that is in it, and noted.
 
 #include "roadquery/opendrive_builder.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 
 #include "roadquery/connecting_road.hpp"
+#include "roadquery/element_table.hpp"
+#include "roadquery/finish_road.hpp"
+#include "roadquery/header_offset.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
-#include "roadquery/number_text.hpp"
+#include "roadquery/note_list.hpp"
+#include "roadquery/opendrive_attributes.hpp"
+#include "roadquery/opendrive_ids.hpp"
+#include "roadquery/poly_curve.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace roadquery {
@@ -23,55 +31,6 @@ namespace {
 
 constexpr double longest_road_m = 1e6;  // memory and time of a query grow with the length
 constexpr int most_lanes = 1000;        // to a side
-
-/// The attributes of one element, checked as they are read.
-class Attributes {
- public:
-  Attributes(std::string_view element, const char** pairs) : element_(element), pairs_(pairs) {}
-
-  [[nodiscard]] const char* find(std::string_view name) const {
-    for (const char** pair = pairs_; *pair != nullptr; pair += 2) {
-      if (name == pair[0]) return pair[1];
-    }
-    return nullptr;
-  }
-  [[nodiscard]] std::string text(std::string_view name) const {
-    const char* value = find(name);
-    return value != nullptr ? value : "";
-  }
-  [[nodiscard]] double number(std::string_view name) const { return parse<double>(name, required(name)); }
-  [[nodiscard]] double number(std::string_view name, double fallback) const {
-    const char* value = find(name);
-    return value != nullptr ? parse<double>(name, value) : fallback;
-  }
-  [[nodiscard]] int integer(std::string_view name) const { return parse<int>(name, required(name)); }
-
-  template <typename T>
-  [[nodiscard]] T parse(std::string_view name, std::string_view value) const {
-    while (!value.empty() && std::strchr(" \t\r\n", value.front()) != nullptr) value.remove_prefix(1);
-    while (!value.empty() && std::strchr(" \t\r\n", value.back()) != nullptr) value.remove_suffix(1);
-    if (value.starts_with('+')) value.remove_prefix(1);
-    T result{};
-    const auto [end, error] = number_from_text(value, result);
-    bool good = error == std::errc{} && end == value.data() + value.size();
-    if constexpr (std::is_floating_point_v<T>) good = good && std::isfinite(result);
-    if (!good) {
-      throw std::runtime_error("<" + element_ + "> has " + std::string(name) + "=\"" + std::string(value) +
-                               "\", which is not " + (std::is_integral_v<T> ? "an integer" : "a number"));
-    }
-    return result;
-  }
-
- private:
-  [[nodiscard]] std::string_view required(std::string_view name) const {
-    const char* value = find(name);
-    if (value == nullptr) throw std::runtime_error("<" + element_ + "> lacks the attribute " + std::string(name));
-    return value;
-  }
-
-  std::string element_;
-  const char** pairs_;
-};
 
 LaneType lane_type(std::string_view name) {
   struct Entry {
@@ -101,16 +60,139 @@ Cubic cubic(const Attributes& a, std::string_view s_name = "s") {
   return {a.number(s_name), a.number("a"), a.number("b"), a.number("c"), a.number("d")};
 }
 
+/// Which prefixes stand for OpenDRIVE's own names: none, that of the root, and those of a URI that names OpenDRIVE.
+class NamespacePrefixes {
+ public:
+  void look(std::string_view element, const char** attributes) {
+    for (const char** pair = attributes; *pair != nullptr; pair += 2) {
+      const std::string_view name = pair[0];
+      if (name.starts_with("xmlns:")) uris_[std::string(name.substr(6))] = lowered(pair[1]);
+    }
+    if (!root_) root_ = prefix_of(element);
+  }
+  [[nodiscard]] bool are_ours(std::string_view element) const {
+    const std::string prefix = prefix_of(element);
+    if (prefix.empty() || prefix == root_) return true;
+    const auto uri = uris_.find(prefix), of_root = uris_.find(*root_);
+    return uri != uris_.end() && (uri->second.find("opendrive") != std::string::npos ||
+                                  (of_root != uris_.end() && of_root->second == uri->second));
+  }
+
+ private:
+  static std::string prefix_of(std::string_view name) {
+    const std::size_t colon = name.rfind(':');
+    return std::string(colon == std::string_view::npos ? std::string_view{} : name.substr(0, colon));
+  }
+  std::map<std::string, std::string> uris_;
+  std::optional<std::string> root_;
+};
+
 /// Builds the map element by element. Members point into the item under construction through back().
 class Builder {
  public:
   RoadMap map;
 
-  void start(std::string_view name, const Attributes& a) {
+  NoteList notes;
+
+  void start(std::string_view written, const Attributes& a) {
     const std::string_view parent = path_.empty() ? std::string_view{} : std::string_view{path_.back()};
+    names_.look(written, a.pairs());
+    const std::string_view name = local_name(written);
     if (path_.empty() && name != "OpenDRIVE") {
       throw std::runtime_error("the root element is <" + std::string(name) + ">, not <OpenDRIVE>");
     }
+    if (passed_ == 0 && !is_read(parent, name, names_.are_ours(written), a)) passed_ = path_.size() + 1;
+    if (passed_ == 0) start_read(parent, name, a);
+    path_.emplace_back(name);
+  }
+
+  void end(std::string_view /*name*/) {
+    const std::string name = std::move(path_.back());
+    path_.pop_back();
+    if (passed_ > 0) {
+      if (path_.size() + 1 == passed_) passed_ = 0;
+      return;
+    }
+    const std::string_view parent = path_.empty() ? std::string_view{} : std::string_view{path_.back()};
+    if (in_geometry_ && parent == "planView" && name == "geometry") {
+      if (!has_shape_) throw std::runtime_error("<geometry> without a shape");
+      in_geometry_ = false;
+    }
+    if (in_road_ && name == "road" && path_.size() == 1) end_road();
+    if (in_junction_ && name == "junction" && path_.size() == 1) end_junction();
+    if (name == "lane") lane_ = nullptr;
+    if (name == "object") object_ = nullptr;
+  }
+
+  void text(std::string_view characters) {
+    if (passed_ == 0 && !path_.empty() && path_.back() == "geoReference") map.geo_reference += characters;
+  }
+
+  /// What can only be checked with the whole file read.
+  void finish(HeaderOffset offset) {
+    if (map.roads.empty()) throw std::runtime_error("no <road> in the file");
+    number_ids();
+    const auto by_id = [](const auto& p, const auto& q) { return p.id < q.id; };
+    std::stable_sort(map.roads.begin(), map.roads.end(), by_id);
+    std::stable_sort(map.junctions.begin(), map.junctions.end(), by_id);
+    const auto same_id = [](const auto& p, const auto& q) { return p.id == q.id; };
+    const auto twice = std::adjacent_find(map.roads.begin(), map.roads.end(), same_id);
+    if (twice != map.roads.end()) {
+      throw std::runtime_error("two roads have the id " +
+                               (twice->text_id.empty() ? std::to_string(twice->id) : twice->text_id));
+    }
+    const std::size_t begin = map.geo_reference.find_first_not_of(" \t\r\n");
+    const std::size_t last = map.geo_reference.find_last_not_of(" \t\r\n");
+    map.geo_reference = begin == std::string::npos ? "" : map.geo_reference.substr(begin, last - begin + 1);
+    apply_header_offset(map, offset, notes);
+    for (Road& road : map.roads) inherit(road);
+    join_arms(map);
+    map.notes = notes.take();
+    // Notes were taken while ids had no numbers yet.
+    for (ReadingNote& note : map.notes)
+      if (note.road != -1) note.road = road_ids_.final_number(note.road);
+  }
+
+ private:
+  /// Whether the element is one that is read; notes it if not.
+  bool is_read(std::string_view parent, std::string_view name, bool ours, const Attributes& a) {
+    const OpenDriveElement* element = ours ? find_element(parent, name) : nullptr;
+    if (element != nullptr && element->use == ElementUse::read && is_known_kind(parent, name, a)) return true;
+    const std::string path = (parent.empty() ? "" : std::string(parent) + "/") + std::string(name);
+    if (element == nullptr) {
+      notes.add_unknown(path);
+    } else if (element->use != ElementUse::missed) {
+      notes.add_passed(path);
+    } else if (name == "elevationGrid") {
+      has_grid_ = true;  // beside our userData it says the same
+    } else {
+      notes.add("opendrive.not_read", "<" + path + "> is not read: " + std::string(element->instead), true, here());
+    }
+    return false;
+  }
+  /// Of objects and userData some kinds are read.
+  static bool is_known_kind(std::string_view parent, std::string_view name, const Attributes& a) {
+    if (name == "userData") return is_known_data(parent, a.text("code"));
+    return parent != "objects" || name != "object" || is_known_object(a);
+  }
+  static bool is_known_object(const Attributes& a) {
+    const std::string type = a.text("type");
+    return type == "crosswalk" || type == "roadMark";
+  }
+
+  static bool is_known_data(std::string_view parent, std::string_view code) {
+    if (parent == "junction") return code == boundary_code || code == heights_code;
+    return code == "osm_id" || code == "highway" || code == "layer" || code == "bridge" || code == "tunnel";
+  }
+
+  /// Of the open element.
+  [[nodiscard]] NotePlace here() const {
+    if (!in_road_) return {};
+    const Road& road = map.roads.back();
+    return {road.id, lane_ != nullptr && !road.sections.empty() ? road.sections.back().s : 0.0};
+  }
+
+  void start_read(std::string_view parent, std::string_view name, const Attributes& a) {
     if (path_.size() == 1) {
       start_top(name, a);
     } else if (parent == "header") {
@@ -120,56 +202,52 @@ class Builder {
     } else if (in_junction_) {
       start_junction_part(parent, name, a);
     }
-    path_.emplace_back(name);
   }
 
-  void end(std::string_view name) {
-    path_.pop_back();
-    const std::string_view parent = path_.empty() ? std::string_view{} : std::string_view{path_.back()};
-    if (in_geometry_ && parent == "planView" && name == "geometry") {
-      if (!has_shape_) throw std::runtime_error("<geometry> without a shape");
-      in_geometry_ = false;
+  /// What refers to roads and junctions by provisional numbers gets the final ones.
+  void number_ids() {
+    road_ids_.finish(), junction_ids_.finish();
+    const auto road_id = [&](int& id) { id = road_ids_.final_number(id); };
+    const auto junction_id = [&](int& id) { id = junction_ids_.final_number(id); };
+    for (Road& road : map.roads) {
+      road.text_id = road_ids_.text(road.id);
+      road_id(road.id);
+      if (road.junction != -1) junction_id(road.junction);
+      for (RoadLink* link : {&road.predecessor, &road.successor}) {
+        if (link->kind == LinkKind::road) road_id(link->id);
+        if (link->kind == LinkKind::junction) junction_id(link->id);
+      }
     }
-    if (in_road_ && parent == "lanes" && name == "laneSection") finish_section();
-    if (in_road_ && name == "road" && path_.size() == 1) finish_road();
-    if (in_junction_ && name == "junction" && path_.size() == 1) {
-      in_junction_ = false;
-      check_surface(map.junctions.back());
+    for (Junction& junction : map.junctions) {
+      junction_id(junction.id);
+      for (Connection& connection : junction.connections)
+        road_id(connection.incoming_road), road_id(connection.connecting_road);
+      for (Priority& priority : junction.priorities) road_id(priority.high), road_id(priority.low);
     }
-    if (name == "lane") lane_ = nullptr;
-    if (name == "object") object_ = nullptr;
+    note_numbers("road", road_ids_);
+    note_numbers("junction", junction_ids_);
+  }
+  void note_numbers(const std::string& kind, const OpenDriveIds& ids) {
+    if (ids.texts().empty()) return;
+    const auto& [text, number] = *ids.texts().begin();
+    notes.add("opendrive.text_ids",
+              "ids of " + std::to_string(ids.texts().size()) + " " + kind +
+                  "s are not whole numbers of 32 bits, they are numbered in alphabetical order: " + kind + " \"" +
+                  text + "\" is " + std::to_string(number),
+              false, {kind == "road" ? number : -1, 0.0});
   }
 
-  void text(std::string_view characters) {
-    if (!path_.empty() && path_.back() == "geoReference") map.geo_reference += characters;
-  }
-
-  /// What can only be checked with the whole file read.
-  void finish(HeaderOffset offset) {
-    if (map.roads.empty()) throw std::runtime_error("no <road> in the file");
-    const auto by_id = [](const auto& p, const auto& q) { return p.id < q.id; };
-    std::stable_sort(map.roads.begin(), map.roads.end(), by_id);
-    std::stable_sort(map.junctions.begin(), map.junctions.end(), by_id);
-    const auto same_id = [](const auto& p, const auto& q) { return p.id == q.id; };
-    const auto twice = std::adjacent_find(map.roads.begin(), map.roads.end(), same_id);
-    if (twice != map.roads.end()) {
-      throw std::runtime_error("two roads have the id " + std::to_string(twice->id));
-    }
-    const std::size_t begin = map.geo_reference.find_first_not_of(" \t\r\n");
-    const std::size_t last = map.geo_reference.find_last_not_of(" \t\r\n");
-    map.geo_reference = begin == std::string::npos ? "" : map.geo_reference.substr(begin, last - begin + 1);
-    apply_offset(offset);
-    for (Road& road : map.roads) inherit(road);
-    join_arms(map);
-  }
-
- private:
   /// What a connecting road does not say.
   void inherit(Road& road) const {
     Inherited from = inherited(map, road);
     if (road.osm_id.empty()) road.osm_id = std::move(from.osm_id);
     if (road.highway.empty()) road.highway = std::move(from.highway);
-    if (road.speed_limit_mps == 0.0) road.speed_limit_mps = from.speed_limit_mps;
+    if (road.speed_limit_mps == 0.0 && road.speed_limits.empty()) {
+      if (std::isfinite(from.speed_limit_mps))
+        road.speed_limit_mps = from.speed_limit_mps;
+      else
+        road.speed_limits = {{0.0, from.speed_limit_mps}};
+    }
     if (!from.material) return;
     for (LaneSection& section : road.sections)
       for (auto* side : {&section.left, &section.right})
@@ -184,22 +262,24 @@ class Builder {
       map.east = a.number("east", 0.0), map.west = a.number("west", 0.0);
     } else if (name == "road") {
       Road road;
-      road.id = a.integer("id");
+      road.id = road_ids_.number(a.required("id"));
       road.name = a.text("name");
       road.length = a.number("length");
-      road.junction = a.find("junction") != nullptr ? a.integer("junction") : -1;
+      const std::string junction = a.text("junction");
+      road.junction = junction.empty() || junction == "-1" ? -1 : junction_ids_.number(junction);
       road.driving_side = a.text("rule") == "LHT" ? DrivingSide::left : DrivingSide::right;
       map.roads.push_back(std::move(road));
+      parts_ = {};
       in_road_ = true;
     } else if (name == "junction") {
-      map.junctions.push_back({a.integer("id"), a.text("name"), {}, {}, {}});
-      in_junction_ = true;
+      map.junctions.push_back({junction_ids_.number(a.required("id")), a.text("name"), {}, {}, {}});
+      in_junction_ = true, has_grid_ = false;
     }
   }
 
   void start_header_part(std::string_view name, const Attributes& a) {
     if (name != "offset") return;
-    map.header_offset_m = {a.number("x"), a.number("y"), a.number("z")};
+    map.header_offset_m = {a.number("x", 0.0), a.number("y", 0.0), a.number("z", 0.0)};
     map.header_offset_hdg = a.number("hdg", 0.0);
   }
 
@@ -209,25 +289,29 @@ class Builder {
       read_user_data(road, a);
     } else if (parent == "link" && lane_ == nullptr && (name == "predecessor" || name == "successor")) {
       (name == "predecessor" ? road.predecessor : road.successor) = read_link(a);
-    } else if (parent == "type" && name == "speed" && road.speed_limit_mps == 0.0) {
-      road.speed_limit_mps = read_speed(a);
+    } else if (parent == "road" && name == "type") {
+      road.speed_limits.push_back({a.number("s", 0.0), 0.0});
+    } else if (parent == "type" && name == "speed") {
+      road.speed_limits.back().mps = read_speed(a);
     } else if (parent == "planView" && name == "geometry") {
       road.plan.push_back({a.number("s"), a.number("x"), a.number("y"), a.number("hdg"), a.number("length"), Line{}});
       if (road.plan.back().length < 0.0) throw std::runtime_error("<geometry> has a negative length");
-      if (road.plan.size() > 1 && road.plan.back().s < road.plan[road.plan.size() - 2].s) {
-        throw std::runtime_error("<geometry> elements are not sorted by s");
-      }
       in_geometry_ = true, has_shape_ = false;
     } else if (parent == "geometry" && in_geometry_) {
       read_shape(road.plan.back(), name, a);
     } else if (parent == "elevationProfile" && name == "elevation") {
-      append(road.elevation, cubic(a));
+      road.elevation.push_back(cubic(a));
     } else if (parent == "lateralProfile" && name == "superelevation") {
-      append(road.superelevation, cubic(a));
+      road.superelevation.push_back(cubic(a));
+    } else if (parent == "lateralProfile" && name == "crossfall") {
+      read_crossfall(a);
     } else if (parent == "lateralProfile" && name == "shape") {
-      read_lateral_shape(road, a);
+      road.shape.push_back({a.number("s"), a.number("t"), a.number("a"), a.number("b"), a.number("c"), a.number("d")});
     } else if (parent == "objects" && path_.size() == 3 && name == "object") {
       start_object(road, a);
+    } else if (parent == "objects" && (name == "bridge" || name == "tunnel")) {
+      const double s = a.number("s", 0.0);
+      (name == "bridge" ? road.bridges : road.tunnels).push_back({s, s + a.number("length", road.length - s)});
     } else if (object_ != nullptr && (parent == "object" || parent == "outlines") && name == "outline") {
       ++outlines_;
     } else if (object_ != nullptr && outlines_ == 1 && parent == "outline" && name == "cornerRoad") {
@@ -235,7 +319,7 @@ class Builder {
     } else if (parent == "surface" && path_.size() == 3 && name == "CRG") {
       read_crg(road, a);
     } else if (parent == "lanes" && name == "laneOffset") {
-      append(road.lane_offset, cubic(a));
+      road.lane_offset.push_back(cubic(a));
     } else if (parent == "lanes" && name == "laneSection") {
       lane_ = nullptr;  // would point into the old place of the sections
       road.sections.emplace_back();
@@ -257,17 +341,37 @@ class Builder {
     if (code == "tunnel") road.tunnel = flag();
   }
 
-  /// m/s; 0 for "no limit" and "undefined".
-  static double read_speed(const Attributes& a) {
+  /// m/s; infinity for "no limit", 0 for "undefined" and what is no speed.
+  double read_speed(const Attributes& a) {
     constexpr double mps_per_kmh = 1.0 / 3.6, mps_per_mph = 0.44704;
-    const std::string max = a.text("max"), unit = a.text("unit");
-    if (max.empty() || max == "no limit" || max == "undefined") return 0.0;
-    return a.number("max") * (unit == "km/h" ? mps_per_kmh : unit == "mph" ? mps_per_mph : 1.0);
+    const std::string max = lowered(trimmed(a.text("max"))), unit = lowered(trimmed(a.text("unit")));
+    if (max == "no limit") return std::numeric_limits<double>::infinity();
+    if (max.empty() || max == "undefined") return 0.0;
+    double value = 0.0;
+    const auto [end, error] = number_from_text(max, value);
+    if (error != std::errc{} || end != max.data() + max.size() || !(value > 0.0) || !std::isfinite(value)) {
+      notes.add("opendrive.speed", "<speed> has max=\"" + max + "\", which is no speed: it is taken as not given", true,
+                here());
+      return 0.0;
+    }
+    const bool is_kmh = unit == "km/h" || unit == "kmh" || unit == "kph", is_mph = unit == "mph";
+    if (!is_kmh && !is_mph && !unit.empty() && unit != "m/s")
+      notes.add("opendrive.speed", "<speed> has unit=\"" + unit + "\", need m/s, km/h or mph: it is taken as m/s", true,
+                here());
+    return value * (is_kmh ? mps_per_kmh : is_mph ? mps_per_mph : 1.0);
   }
 
-  static RoadLink read_link(const Attributes& a) {
+  void read_crossfall(const Attributes& a) {
+    const std::string side = a.text("side");
+    if (side != "right") parts_.crossfall_left.push_back(cubic(a));
+    if (side != "left") parts_.crossfall_right.push_back(cubic(a));
+  }
+
+  RoadLink read_link(const Attributes& a) {
     const bool junction = a.text("elementType") == "junction";
-    return {junction ? LinkKind::junction : LinkKind::road, a.integer("elementId"),
+    const std::string_view id = a.required("elementId");
+    if (trimmed(id).empty() || trimmed(id) == "-1") return {};
+    return {junction ? LinkKind::junction : LinkKind::road, (junction ? junction_ids_ : road_ids_).number(id),
             a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start};
   }
 
@@ -280,24 +384,27 @@ class Builder {
       element.shape = Spiral{a.number("curvStart"), a.number("curvEnd")};
     } else if (name == "paramPoly3") {
       // pRange is normalized when it is not given (1.4, 5.3.4.1.5).
-      element.shape = ParamPoly3{a.number("aU"), a.number("bU"), a.number("cU"),
-                                 a.number("dU"), a.number("aV"), a.number("bV"),
-                                 a.number("cV"), a.number("dV"), a.text("pRange") != "arcLength"};
+      const ParamPoly3 poly{a.number("aU"), a.number("bU"), a.number("cU"),
+                            a.number("dU"), a.number("aV"), a.number("bV"),
+                            a.number("cV"), a.number("dV"), a.text("pRange") != "arcLength"};
+      element.shape = poly;
+      note_length(element, poly);
     } else if (name == "poly3") {
-      throw std::runtime_error("<poly3> geometry (deprecated since 1.6) is not supported, convert it to paramPoly3");
+      element.shape = from_poly3({0.0, a.number("a"), a.number("b"), a.number("c"), a.number("d")}, element.length);
     } else {
       return;
     }
     has_shape_ = true;
   }
 
-  static void read_lateral_shape(Road& road, const Attributes& a) {
-    const ShapeCubic next{a.number("s"), a.number("t"), a.number("a"), a.number("b"), a.number("c"), a.number("d")};
-    if (!road.shape.empty() &&
-        (next.s < road.shape.back().s || (next.s == road.shape.back().s && next.t <= road.shape.back().t))) {
-      throw std::runtime_error("<shape> elements are not sorted by s and t");
-    }
-    road.shape.push_back(next);
+  /// A hundredth is more than any rounding.
+  void note_length(const PlanElement& element, const ParamPoly3& poly) {
+    constexpr double most_off = 0.01;
+    const double length_m = curve_length(element, poly);
+    if (!(element.length > 0.0) || std::abs(length_m / element.length - 1.0) <= most_off) return;
+    notes.add("opendrive.curve_length",
+              "the curve of a <paramPoly3> is not as long as its <geometry> says, it is stretched to that length", true,
+              {map.roads.back().id, element.s});
   }
 
   static void read_crg(Road& road, const Attributes& a) {
@@ -315,17 +422,11 @@ class Builder {
 
   void start_object(Road& road, const Attributes& a) {
     RoadObject object{a.text("type"), a.text("subtype"), a.text("name")};
-    if (object.type != "crosswalk" && object.type != "roadMark") return;
     object.s = a.number("s"), object.t = a.number("t");
     object.hdg = a.number("hdg", 0.0);
     object.length = a.number("length", 0.0), object.width = a.number("width", 0.0);
     road.objects.push_back(std::move(object));
     object_ = &road.objects.back(), outlines_ = 0;
-  }
-
-  static void append(std::vector<Cubic>& cubics, const Cubic& next) {
-    if (!cubics.empty() && next.s < cubics.back().s) throw std::runtime_error("cubics are not sorted by s");
-    cubics.push_back(next);
   }
 
   void start_lane(Road& road, std::string_view side, const Attributes& a) {
@@ -336,6 +437,13 @@ class Builder {
     if (std::abs(static_cast<std::int64_t>(lane.id)) > most_lanes)
       throw std::runtime_error("a lane has the id " + std::to_string(lane.id));
     lane.type = lane_type(a.text("type"));
+    const std::string direction = a.text("direction");
+    if (direction == "reversed" || direction == "both")
+      notes.add("opendrive.lane_direction",
+                "lanes have direction=\"" + direction + "\", which is not read: they lead as their side says", true,
+                here());
+    const std::string level = a.text("level");
+    lane.level = level == "true" || level == "1";
     if (side == "center" ? lane.id != 0 : (side == "left") != (lane.id > 0) || lane.id == 0) {
       throw std::runtime_error("lane " + std::to_string(lane.id) + " stands under <" + std::string(side) + ">");
     }
@@ -351,9 +459,15 @@ class Builder {
 
   void start_lane_part(std::string_view parent, std::string_view name, const Attributes& a) {
     if (parent == "lane" && name == "width" && lane_->id != 0) {
-      append(lane_->width, cubic(a, "sOffset"));
-    } else if (parent == "lane" && name == "border") {
-      throw std::runtime_error("lanes given by <border> are not supported, convert them to <width>");
+      lane_->width.push_back(cubic(a, "sOffset"));
+    } else if (parent == "lane" && name == "border" && lane_->id != 0) {
+      read_border(cubic(a, "sOffset"));
+    } else if (parent == "lane" && name == "access" && lane_->id != 0) {
+      read_access(a);
+    } else if (parent == "access" && name == "restriction" && lane_->id != 0) {
+      parts_.accesses.back().whom.push_back(a.text("type"));
+    } else if (parent == "lane" && name == "speed" && lane_->id != 0) {
+      lane_->speeds.push_back({a.number("sOffset", 0.0), read_speed(a)});
     } else if (parent == "lane" && name == "roadMark") {
       lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
     } else if (parent == "lane" && name == "material" && lane_->id != 0) {
@@ -367,8 +481,23 @@ class Builder {
     }
   }
 
+  /// Before 1.6 there was no rule: a restriction was of those whom the lane is closed to.
+  void read_access(const Attributes& a) {
+    RoadParts::Access access{map.roads.back().sections.size() - 1, lane_->id, a.number("sOffset", 0.0)};
+    access.allows = a.text("rule") == "allow";
+    if (a.find("restriction") != nullptr) access.whom.push_back(a.text("restriction"));
+    parts_.accesses.push_back(std::move(access));
+  }
+
+  void read_border(const Cubic& t) {
+    const std::size_t section = map.roads.back().sections.size() - 1;
+    if (parts_.borders.empty() || parts_.borders.back().section != section || parts_.borders.back().lane != lane_->id)
+      parts_.borders.push_back({section, lane_->id, {}});
+    parts_.borders.back().t.push_back(t);
+  }
+
   /// Texts that nobody knows are asphalt: the friction counts, and it stands beside them.
-  static void read_material(Lane& lane, const Attributes& a) {
+  void read_material(Lane& lane, const Attributes& a) {
     LaneMaterial material;
     material.s_offset = a.number("sOffset", 0.0);
     material.surface = surface_class_of(a.text("surface")).value_or(SurfaceClass::asphalt);
@@ -376,31 +505,37 @@ class Builder {
     material.roughness = a.number("roughness", 0.0);
     if (material.friction < 0.0) throw std::runtime_error("<material> has a negative friction");
     if (material.roughness < 0.0) throw std::runtime_error("<material> has a negative roughness");
-    if (!lane.materials.empty() && material.s_offset < lane.materials.back().s_offset)
-      throw std::runtime_error("<material> elements are not sorted by sOffset");
+    if (material.friction == 0.0) {
+      notes.add("opendrive.friction",
+                "<material> has friction=\"0\", which writers mean as not given: it is taken as 1", true, here());
+      material.friction = LaneMaterial{}.friction;
+    }
     lane.materials.push_back(material);
   }
 
   static void read_height(Lane& lane, const Attributes& a) {
-    const LaneHeight height{a.number("sOffset"), a.number("inner", 0.0), a.number("outer", 0.0)};
-    if (!lane.heights.empty() && height.s_offset <= lane.heights.back().s_offset)
-      throw std::runtime_error("<height> elements are not sorted by sOffset");
-    lane.heights.push_back(height);
+    lane.heights.push_back({a.number("sOffset"), a.number("inner", 0.0), a.number("outer", 0.0)});
   }
 
   void start_junction_part(std::string_view parent, std::string_view name, const Attributes& a) {
     Junction& junction = map.junctions.back();
     if (parent == "junction" && name == "connection") {
       Connection connection;
-      connection.id = a.integer("id");
+      connection.id = static_cast<int>(junction.connections.size());
+      int id = 0;  // of any text: nothing refers to it
+      const std::string text = a.text("id");
+      if (const auto [end, error] = number_from_text(text, id);
+          error == std::errc{} && end == text.data() + text.size())
+        connection.id = id;
       // A virtual junction's connections (1.7) have no incoming road; a direct junction's name a linked road.
-      if (a.find("incomingRoad") != nullptr) connection.incoming_road = a.integer("incomingRoad");
+      if (a.find("incomingRoad") != nullptr) connection.incoming_road = road_ids_.number(a.required("incomingRoad"));
       connection.connecting_road =
-          a.find("linkedRoad") != nullptr ? a.integer("linkedRoad") : a.integer("connectingRoad");
+          road_ids_.number(a.required(a.find("linkedRoad") != nullptr ? "linkedRoad" : "connectingRoad"));
       connection.contact = a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start;
       junction.connections.push_back(std::move(connection));
     } else if (parent == "junction" && name == "priority") {
-      if (a.find("high") && a.find("low")) junction.priorities.push_back({a.integer("high"), a.integer("low")});
+      if (a.find("high") && a.find("low"))
+        junction.priorities.push_back({road_ids_.number(a.required("high")), road_ids_.number(a.required("low"))});
     } else if (parent == "connection" && name == "laneLink" && !junction.connections.empty()) {
       junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
     } else if (parent == "junction" && name == "userData") {
@@ -415,32 +550,34 @@ class Builder {
     if (code == heights_code) read_heights(value, *junction.surface);
   }
 
-  static void check_surface(const Junction& junction) {
+  void end_junction() {
+    in_junction_ = false;
+    const Junction& junction = map.junctions.back();
+    check_surface(junction);
+    if (has_grid_ && !junction.surface)
+      notes.add(
+          "opendrive.not_read",
+          "<junction/elevationGrid> is not read: " + std::string(find_element("junction", "elevationGrid")->instead),
+          true);
+  }
+
+  void check_surface(const Junction& junction) const {
     if (!junction.surface || (!junction.surface->boundary.empty() && !junction.surface->z.empty())) return;
-    throw std::runtime_error("junction " + std::to_string(junction.id) + " has only one of the userData " +
-                             boundary_code + " and " + heights_code);
+    const std::string id = junction_ids_.text(junction.id);
+    throw std::runtime_error("junction " + (id.empty() ? std::to_string(junction.id) : id) +
+                             " has only one of the userData " + boundary_code + " and " + heights_code);
   }
 
-  void finish_section() {
-    LaneSection& section = map.roads.back().sections.back();
-    const auto outwards = [](const Lane& p, const Lane& q) { return std::abs(p.id) < std::abs(q.id); };
-    std::sort(section.left.begin(), section.left.end(), outwards);
-    std::sort(section.right.begin(), section.right.end(), outwards);
-  }
-
-  void finish_road() {
+  void end_road() {
     in_road_ = false;
-    const Road& road = map.roads.back();
-    const std::string who = "road " + std::to_string(road.id);
+    Road& road = map.roads.back();
+    const std::string id = road_ids_.text(road.id), who = "road " + (id.empty() ? std::to_string(road.id) : id);
     if (road.plan.empty()) throw std::runtime_error(who + " has no <geometry> in a <planView>");
     if (road.sections.empty()) throw std::runtime_error(who + " has no <laneSection>");
     if (road.length < 0.0) throw std::runtime_error(who + " has a negative length");
     if (road.length > longest_road_m)
       throw std::runtime_error(who + " is longer than 1000 km: is its length in metres?");
-    const auto by_s = [](const LaneSection& p, const LaneSection& q) { return p.s < q.s; };
-    if (!std::is_sorted(road.sections.begin(), road.sections.end(), by_s)) {
-      throw std::runtime_error(who + " has lane sections that are not sorted by s");
-    }
+    finish_road(road, std::move(parts_), notes);
     if (is_boundary_alone(road)) map.roads.pop_back();
   }
 
@@ -451,34 +588,12 @@ class Builder {
                        [](const LaneSection& section) { return section.left.empty() && section.right.empty(); });
   }
 
-  /// <offset> (1.5+) moves the coordinates of the file into the CRS of geoReference.
-  void apply_offset(HeaderOffset how) {
-    if (how == HeaderOffset::ignore) return;
-    if (map.header_offset_hdg != 0.0)
-      throw std::runtime_error("<offset> with a heading is not supported: it can only be ignored");
-    const double sign = how == HeaderOffset::add ? 1.0 : -1.0;
-    const double x = sign * map.header_offset_m[0], y = sign * map.header_offset_m[1],
-                 z = sign * map.header_offset_m[2];
-    if (x == 0.0 && y == 0.0 && z == 0.0) return;
-    map.north += y, map.south += y, map.east += x, map.west += x;
-    for (Road& road : map.roads) {
-      for (PlanElement& element : road.plan) element.x += x, element.y += y;
-      if (road.elevation.empty()) road.elevation.emplace_back();
-      for (Cubic& elevation : road.elevation) elevation.a += z;
-      for (SurfaceCrg& crg : road.surface) {
-        crg.x_offset += x, crg.y_offset += y;
-        if (crg.mode != "attached" && crg.purpose == "elevation") crg.z_offset += z;
-      }
-    }
-    for (Junction& junction : map.junctions) {
-      if (!junction.surface) continue;
-      for (auto& [border_x, border_y] : junction.surface->boundary) border_x += x, border_y += y;
-      junction.surface->x += x, junction.surface->y += y;
-      for (double& height : junction.surface->z) height += z;
-    }
-  }
-
-  std::vector<std::string> path_;  ///< names of the open elements
+  std::vector<std::string> path_;  ///< names of the open elements, without prefixes
+  std::size_t passed_ = 0;         ///< depth of the element that is passed over with all that is in it; 0: none
+  NamespacePrefixes names_;
+  OpenDriveIds road_ids_, junction_ids_;
+  RoadParts parts_;        ///< of the open <road>
+  bool has_grid_ = false;  ///< the open <junction> has an <elevationGrid>
   bool in_road_ = false, in_junction_ = false;
   bool in_geometry_ = false;      ///< of the plan view
   bool has_shape_ = false;        ///< of that <geometry>
@@ -500,6 +615,9 @@ void OpenDriveBuilder::start(const char* name, const char** attributes) {
 }
 void OpenDriveBuilder::end(const char* name) { state_->builder.end(name); }
 void OpenDriveBuilder::text(std::string_view characters) { state_->builder.text(characters); }
+void OpenDriveBuilder::note_encoding(const std::string& what) {
+  state_->builder.notes.add("opendrive.encoding", what, false);
+}
 RoadMap OpenDriveBuilder::finish(HeaderOffset offset) {
   state_->builder.finish(offset);
   return std::move(state_->builder.map);

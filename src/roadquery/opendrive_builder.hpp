@@ -3,6 +3,7 @@
 // Roads out of the elements of an OpenDRIVE file, whichever parser reads its XML.
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "roadquery/road_map.hpp"
@@ -20,6 +21,8 @@ class OpenDriveBuilder {
   void start(const char* name, const char** attributes);
   void end(const char* name);
   void text(std::string_view characters);
+  /// Says in the map's notes what the parser made of the file's characters.
+  void note_encoding(const std::string& what);
   /// Once, behind the last element.
   [[nodiscard]] RoadMap finish(HeaderOffset offset);
 

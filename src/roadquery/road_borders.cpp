@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "roadquery/road_structures.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -31,7 +33,7 @@ std::vector<double> stations(const Road& road) {
 RoadBorders::RoadBorders(const RoadQuery& query, double reach_m) : reach_m_(reach_m) {
   for (std::size_t i = 0; i < query.map().roads.size(); ++i) {
     const Road& road = query.map().roads[i];
-    if (road.bridge || road.tunnel) continue;
+    if (road.bridge || road.tunnel) continue;  // of others the parts that are neither
     add_edges(query, static_cast<int>(i));
     add_ends(query, static_cast<int>(i));
   }
@@ -47,7 +49,7 @@ void RoadBorders::add_edges(const RoadQuery& query, int index) {
       const Edges edges = road_edges(road, s[i]);
       const SurfacePoint point = surface_point(road, s[i], side > 0.0 ? edges.left_t : edges.right_t);
       const double hdg = reference_point(road, s[i]).hdg;
-      if (i > 0)
+      if (i > 0 && !is_on_structure(road, 0.5 * (s[i - 1] + s[i])))
         add(query, index, {last.x, last.y, last.z, point.x, point.y, point.z}, -side * std::sin(hdg),
             side * std::cos(hdg));
       last = point;
@@ -58,6 +60,7 @@ void RoadBorders::add_edges(const RoadQuery& query, int index) {
 void RoadBorders::add_ends(const RoadQuery& query, int index) {
   const Road& road = query.map().roads[static_cast<std::size_t>(index)];
   for (const bool at_end : {false, true}) {
+    if (is_on_structure(road, at_end ? road.length : 0.0)) continue;
     const double s = at_end ? road.length : 0.0, hdg = reference_point(road, s).hdg + (at_end ? 0.0 : M_PI);
     const double out_x = std::cos(hdg), out_y = std::sin(hdg);
     const Edges edges = road_edges(road, s);

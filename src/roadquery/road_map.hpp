@@ -24,7 +24,8 @@ struct Arc {
 struct Spiral {
   double curvature_start = 0.0, curvature_end = 0.0;
 };
-/// u(p) = a + b p + c p^2 + d p^3 and v(p) likewise in the element's local frame.
+/// u(p) = a + b p + c p^2 + d p^3 and v(p) likewise in the element's local frame. The element's length is that of the
+/// curve: p is found from the distance along it (poly_curve.hpp).
 struct ParamPoly3 {
   double a_u = 0.0, b_u = 0.0, c_u = 0.0, d_u = 0.0, a_v = 0.0, b_v = 0.0, c_v = 0.0, d_v = 0.0;
   bool normalized = false;  ///< p in [0,1] ("normalized") instead of [0,length] ("arcLength")
@@ -79,6 +80,12 @@ struct LaneHeight {
   double inner = 0.0, outer = 0.0;  ///< m, along z, at the border to the centre and at the outer one
 };
 
+/// What may be driven from s on; s of a lane's is relative to the start of the lane section.
+struct SpeedLimit {
+  double s = 0.0;
+  double mps = 0.0;  ///< infinity: no limit; 0: not given
+};
+
 struct Lane {
   int id = 0;  ///< > 0 left, < 0 right, 0 centre
   LaneType type = LaneType::driving;
@@ -87,6 +94,8 @@ struct Lane {
   std::vector<RoadMark> marks;
   std::vector<LaneMaterial> materials;  ///< sorted by s_offset; empty: asphalt, friction 1
   std::vector<LaneHeight> heights;      ///< sorted by s_offset; empty: on the road's surface
+  std::vector<SpeedLimit> speeds;       ///< sorted by s; before them, and where they give none, the road's counts
+  bool level = false;                   ///< as written; read_opendrive has put what it means into `heights`
 };
 
 struct LaneSection {
@@ -103,6 +112,11 @@ struct RoadObject {
   double hdg = 0.0;                            ///< of the box's length against the road's direction, rad
   double length = 0.0, width = 0.0;            ///< of the box, m
   std::vector<std::array<double, 2>> outline;  ///< s and t of the corners; empty: the box
+};
+
+/// A part of a road.
+struct RoadStretch {
+  double s_start = 0.0, s_end = 0.0;
 };
 
 enum class ContactPoint { start, end };
@@ -129,11 +143,14 @@ struct Road {
   std::vector<Cubic> lane_offset;
   std::vector<LaneSection> sections;
   std::vector<RoadObject> objects;
-  double speed_limit_mps = 0.0;  ///< of the first <type>; 0: none given
+  double speed_limit_mps = 0.0;          ///< of the first <type> that gives one; 0: none given, infinity: "no limit"
+  std::vector<SpeedLimit> speed_limits;  ///< of every <type>, sorted by s; empty: speed_limit_mps everywhere
+  std::vector<RoadStretch> bridges, tunnels;  ///< of <objects>, sorted by s_start (road_structures.hpp)
+  std::string text_id;                        ///< the id as written where it is no whole number of 32 bits; else empty
   // Our userData: where the road comes from.
   std::string osm_id, highway;
   int layer = 0;
-  bool bridge = false, tunnel = false;
+  bool bridge = false, tunnel = false;  ///< the whole road: of our userData, or of a <bridge> or <tunnel> as long as it
 };
 
 struct LaneLink {
@@ -185,6 +202,15 @@ struct Junction {
 
 class RoadCrgs;
 
+/// What was odd in a file, or of which elements nothing is kept: one for each kind, with its first place.
+struct ReadingNote {
+  std::string code;      ///< short and stable: "opendrive.not_sorted"
+  std::string message;   ///< one sentence with how often
+  bool matters = false;  ///< the surface, the lanes or the limits may not be what the writer meant
+  int road = -1;         ///< id of the road of the first place; -1: it is of no road
+  double s = 0.0;        ///< m, on that road
+};
+
 struct RoadMap {
   std::string name;
   std::string geo_reference;  ///< PROJ string; coordinates are absolute in that CRS
@@ -194,15 +220,18 @@ struct RoadMap {
   double header_offset_hdg = 0.0;
   std::vector<Road> roads;          ///< sorted by id
   std::vector<Junction> junctions;  ///< sorted by id
+  std::vector<ReadingNote> notes;   ///< of read_opendrive
   /// OpenCRG files laid on the roads, by their index (load_crgs of road_crgs.hpp); none: the roads as they stand.
   std::shared_ptr<const RoadCrgs> crgs;
 };
 
-/// What is done with the header's <offset>. `add` gives coordinates of the geoReference's CRS. Its heading is refused
-/// but by `ignore`.
+/// What is done with the header's <offset>. `add` gives coordinates of the geoReference's CRS: the file's are turned by
+/// its heading about their origin, then moved. `subtract` is the way back.
 enum class HeaderOffset { add, ignore, subtract };
 
-/// Reads OpenDRIVE 1.4 - 1.8 (what of it the structs above hold). Throws std::runtime_error "file: line: what".
+/// Reads OpenDRIVE 1.1 - 1.8 (what of it the structs above hold). Ids that are no whole numbers of 32 bits get numbers
+/// that the file does not use. RoadMap::notes has what was odd, and what of the file is not kept. Throws
+/// std::runtime_error "file: line: what".
 [[nodiscard]] RoadMap read_opendrive(const std::string& path, HeaderOffset offset = HeaderOffset::add);
 
 }  // namespace roadquery

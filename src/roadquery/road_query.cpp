@@ -120,8 +120,8 @@ bool follow(const BakedRoads& roads, std::uint32_t station, double x, double y, 
 
 /// Whether `parts` of a hit are known without the place on the road.
 bool takes_no_foot(const LaneStretch& lanes, unsigned parts) {
-  return (parts & (hit_position | hit_curvature)) == 0 && ((parts & hit_material) == 0 || lanes.one_material) &&
-         lanes.relief == 0;
+  return (parts & (hit_position | hit_curvature | hit_own)) == 0 &&
+         ((parts & hit_material) == 0 || lanes.one_material) && lanes.relief == 0;
 }
 
 /// Whether no other surface touches the found one's station there.
@@ -224,8 +224,10 @@ bool RoadQuery::fill_level(const Level& level, double x, double y, unsigned part
   if (level.roads.empty()) nearest = nearest_of_junction(level.junction.junction, x, y);
   if (level.roads.empty() && !nearest) return false;
   const Found& named = nearest ? *nearest : named_of(baked_, level.roads, cursor.road);
-  const bool has_own_surface = level.junction.junction != no_index;
-  if (level.roads.size() > 1 && !has_own_surface)
+  // Between the roads of a junction there is no road's own surface.
+  const bool of_road = (parts & hit_own) != 0 && !nearest;
+  const bool has_own_surface = level.junction.junction != no_index && !of_road;
+  if (level.roads.size() > 1 && !has_own_surface && !of_road)
     fill_blended(baked_, level.roads, named, parts, hit);
   else
     fill_hit(baked_, named, has_own_surface ? parts & ~hit_normal : parts, hit);

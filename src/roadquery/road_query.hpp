@@ -44,7 +44,10 @@ enum HitPart : unsigned {
   hit_position = 2,  ///< s, t, lane_id
   hit_curvature = 4,
   hit_material = 8,  ///< surface, friction, roughness_m
-  hit_all = 15
+  hit_all = 15,
+  /// Not a part: z and normal are those of the road that the hit names, not of what overlaps it, nor of a junction's
+  /// own surface.
+  hit_own = 16
 };
 
 /// Remembers where the last query of one moving point ended, so that the next one begins there. One a point; start with

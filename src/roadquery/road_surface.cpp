@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "roadquery/poly_curve.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -55,8 +57,8 @@ PlanPoint evaluate_spiral(const PlanElement& e, const Spiral& spiral, double ds)
 }
 
 PlanPoint evaluate_poly(const PlanElement& e, const ParamPoly3& q, double ds) {
-  const double dp_ds = q.normalized && e.length > 0.0 ? 1.0 / e.length : 1.0;
-  const double p = ds * dp_ds;
+  const PolyPlace place = place_along(e, q, ds);
+  const double p = place.p;
   const double u = q.a_u + p * (q.b_u + p * (q.c_u + p * q.d_u));
   const double v = q.a_v + p * (q.b_v + p * (q.c_v + p * q.d_v));
   const double du = q.b_u + p * (2.0 * q.c_u + p * 3.0 * q.d_u);
@@ -64,7 +66,7 @@ PlanPoint evaluate_poly(const PlanElement& e, const ParamPoly3& q, double ds) {
   const double ddu = 2.0 * q.c_u + 6.0 * p * q.d_u, ddv = 2.0 * q.c_v + 6.0 * p * q.d_v;
   const double speed = std::hypot(du, dv);
   const double c = std::cos(e.hdg), s = std::sin(e.hdg);
-  PlanPoint point{e.x + c * u - s * v, e.y + s * u + c * v, e.hdg, 0.0, speed * dp_ds};
+  PlanPoint point{e.x + c * u - s * v, e.y + s * u + c * v, e.hdg, 0.0, place.stretch};
   if (speed > 0.0) {
     point.hdg += std::atan2(dv, du);
     point.curvature = (du * ddv - dv * ddu) / (speed * speed * speed);

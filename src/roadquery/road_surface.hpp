@@ -10,7 +10,7 @@ namespace roadquery {
 
 struct PlanPoint {
   double x = 0.0, y = 0.0, hdg = 0.0, curvature = 0.0;
-  double speed = 1.0;  ///< |d(x, y)/ds|: 1 except in ParamPoly3, whose parameter is the arc length only about
+  double speed = 1.0;  ///< |d(x, y)/ds|: 1 except in a ParamPoly3 whose curve is not as long as the element says
 };
 struct SurfacePoint {
   double x = 0.0, y = 0.0, z = 0.0;

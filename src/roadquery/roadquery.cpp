@@ -10,6 +10,7 @@
 #include <new>
 
 #include "roadquery/c_map.hpp"
+#include "roadquery/speed_limits.hpp"
 
 namespace {
 
@@ -150,7 +151,9 @@ int32_t rq_lanes_at(const rq_map* map, int32_t road_id, double s, rq_lane* lanes
   const double middle = roadquery::evaluate(road.lane_offset, s);
   const auto right = static_cast<int32_t>(section.right.size()), left = static_cast<int32_t>(section.left.size());
   const auto put = [&](int32_t place, const roadquery::Lane& lane, double t_right, double t_left) {
-    if (place < capacity) lanes[place] = {lane.id, static_cast<int32_t>(lane.type), t_right, t_left, {}};
+    if (place < capacity)
+      lanes[place] = {
+          lane.id, static_cast<int32_t>(lane.type), t_right, t_left, roadquery::lane_limit_mps(road, lane.id, s), {}};
   };
   double t = middle;
   for (int32_t i = 0; i < right; ++i) {
@@ -167,6 +170,20 @@ int32_t rq_lanes_at(const rq_map* map, int32_t road_id, double s, rq_lane* lanes
     t += width;
   }
   return right + left;
+}
+
+const char* rq_road_text_id(const rq_map* map, int32_t road_id) {
+  const int index = map == nullptr ? -1 : map->road_index(road_id);
+  return index < 0 ? nullptr : map->roads().roads[static_cast<std::size_t>(index)].text_id.c_str();
+}
+
+int32_t rq_note_count(const rq_map* map) {
+  return map == nullptr ? RQ_BAD_INPUT : static_cast<int32_t>(map->roads().notes.size());
+}
+
+const char* rq_note(const rq_map* map, int32_t index) {
+  if (map == nullptr || index < 0 || index >= rq_note_count(map)) return nullptr;
+  return map->roads().notes[static_cast<std::size_t>(index)].message.c_str();
 }
 
 const char* rq_geo_reference(const rq_map* map) {

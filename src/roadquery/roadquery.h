@@ -67,7 +67,7 @@ typedef struct rq_options {
 #define RQ_OPTIONS_DEFAULT \
   { sizeof(rq_options), RQ_OFFSET_ADD, 0, NULL, NULL, 5.0 }
 
-/* Reads an OpenDRIVE file (1.4 - 1.8). options may be NULL. On failure *map is NULL, and `problem` holds one line of
+/* Reads an OpenDRIVE file (1.1 - 1.8). options may be NULL. On failure *map is NULL, and `problem` holds one line of
  * explanation (cut to problem_bytes; may be NULL with 0). */
 RQ_API rq_error rq_load(const char* path, const rq_options* options, rq_map** map, char* problem, size_t problem_bytes);
 /* Frees a map; NULL is fine. */
@@ -100,7 +100,10 @@ enum {
   RQ_POSITION = 2,  /* road_id, lane_id, junction_id, s, t */
   RQ_CURVATURE = 4, /* curvature */
   RQ_MATERIAL = 8,  /* surface_class, friction, roughness */
-  RQ_ALL = 15
+  RQ_ALL = 15,
+  /* Besides, by |: z and normal are those of the road that the hit names. Else roads that overlap on one level (1.5 m)
+   * are one blended surface, and junctions may have a surface of their own. */
+  RQ_OWN = 16
 };
 
 enum { RQ_ASPHALT = 0, RQ_CONCRETE = 1, RQ_SETTS = 2, RQ_GRAVEL = 3, RQ_GROUND = 4 };
@@ -167,8 +170,9 @@ typedef struct rq_pose {
   double reserved[4];
 } rq_pose;
 
-/* Point (s, t) of a road. Outside [0, length] RQ_NONE. Beside the road's edges RQ_NONE, too, but the pose is filled in:
- * there the road's surface goes on. */
+/* Point (s, t) of a road's own surface, whatever overlaps it (rq_query gives what a wheel stands on). Outside [0,
+ * length] RQ_NONE. Beside the road's edges RQ_NONE, too, but the pose is filled in: there the road's surface goes on.
+ */
 RQ_API int rq_position(const rq_map* map, int32_t road_id, double s, double t, rq_pose* pose);
 /* Many points; strides as in rq_query_batch, road_ids has one of its own. Returns how many are on a road. */
 RQ_API int64_t rq_position_batch(const rq_map* map, size_t count, const int32_t* road_ids, size_t road_stride_bytes,
@@ -181,7 +185,7 @@ enum { RQ_LINK_NONE = 0, RQ_LINK_ROAD = 1, RQ_LINK_JUNCTION = 2 };
 typedef struct rq_road {
   int32_t id, junction_id; /* -1: not in a junction */
   double length;
-  double speed_limit; /* m/s, 0: not known */
+  double speed_limit; /* m/s, of the first <type> that gives one; 0: not known. rq_lanes_at has it at a place */
   int32_t predecessor_kind, predecessor_id, successor_kind, successor_id;
   int32_t left_hand_traffic, bridge, tunnel, reserved_int;
   double reserved[4];
@@ -201,7 +205,8 @@ typedef struct rq_lane {
   int32_t id; /* > 0 left of the reference line */
   int32_t type;
   double t_right, t_left; /* its borders at that s */
-  double reserved[4];
+  double speed_limit;     /* m/s at that s: the lane's, else the road's; 0: not known, infinity: no limit */
+  double reserved[3];
 } rq_lane;
 
 /* Roads and junctions by index, sorted by id. 1, or RQ_BAD_INPUT where there is no such index. */
@@ -209,9 +214,16 @@ RQ_API int32_t rq_road_count(const rq_map* map);
 RQ_API int rq_get_road(const rq_map* map, int32_t index, rq_road* road);
 RQ_API int32_t rq_junction_count(const rq_map* map);
 RQ_API int rq_get_junction(const rq_map* map, int32_t index, int32_t* junction_id);
+/* Ids as the file has them, where they are no whole numbers of 32 bits and the library has given them numbers; "" for
+ * others. NULL where there is none. Valid until rq_free. */
+RQ_API const char* rq_road_text_id(const rq_map* map, int32_t road_id);
 /* Lanes of a road at s, from right to left, without the centre lane. Their number, also where it is more than
  * `capacity`, or RQ_BAD_INPUT. */
 RQ_API int32_t rq_lanes_at(const rq_map* map, int32_t road_id, double s, rq_lane* lanes, int32_t capacity);
+/* What was odd in the file, or is not kept of it: lines of text by index. NULL where there is none. Valid until
+ * rq_free. */
+RQ_API int32_t rq_note_count(const rq_map* map);
+RQ_API const char* rq_note(const rq_map* map, int32_t index);
 /* PROJ string or WKT as in the header; "" when there is none. NULL for NULL. Valid until rq_free. */
 RQ_API const char* rq_geo_reference(const rq_map* map);
 /* <offset> as written in the header: x, y, z in m, heading in rad; zeros when there is none. 1, or RQ_BAD_INPUT. */

@@ -91,6 +91,26 @@ TEST(Landscape, georeference_that_nobody_understands_is_told_and_does_without) {
   EXPECT_THAT(run.err, HasSubstr("geoReference \"+lat_0=49 +lon_0=8\" is not understood"));
 }
 
+TEST(Landscape, drive_leaves_out_the_track_that_nobody_can_place) {
+  const Scratch scratch;
+  write_circle(scratch / "any.xodr", left_lane);
+  std::string text = bytes_of(scratch / "any.xodr");
+  const std::string header = R"(<header revMajor="1" revMinor="6"/>)";
+  for (const char* reference :
+       {"", "<geoReference>+lat_0=49 +lon_0=8</geoReference>", "<geoReference>LOCAL</geoReference>"}) {
+    std::string with = text;
+    with.replace(with.find(header), header.size(),
+                 "<header revMajor=\"1\" revMinor=\"6\">" + std::string(reference) + "</header>");
+    write_bytes(scratch / "with.xodr", with);
+    const ToolRun run = run_tool({"drive", "--network", scratch / "with.xodr", "-o", scratch / "drive"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("drive.no_gpx"));
+    EXPECT_TRUE(fs::exists(scratch / "drive/report.html"));
+    EXPECT_FALSE(fs::exists(scratch / "drive/lap.gpx"));
+    fs::remove_all(scratch / "drive");
+  }
+}
+
 TEST(Landscape, labels_without_a_photo_and_maps_without_a_place_are_refused) {
   const Scratch scratch;
   write_circle(scratch / "any.xodr", left_lane);
@@ -135,6 +155,20 @@ TEST(Landscape, photo_and_terrain_each_do_without_the_other) {
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.err, Not(HasSubstr("scene.local_frame")));
     EXPECT_TRUE(fs::exists(made.scratch / "scene/tileset.json"));
+  }
+}
+
+TEST(Landscape, roads_without_a_place_lie_where_the_photo_or_terrain_has_their_coordinates) {
+  const SiteOfRoads made;
+  std::string text = bytes_of(made.network);
+  const std::size_t begin = text.find("<geoReference>"), end = text.find("</geoReference>");
+  ASSERT_NE(end, std::string::npos);
+  write_bytes(made.network, text.erase(begin, end + 15 - begin));
+  for (const Arguments& given :
+       {Arguments{"--photo", made.site / "ortho.tif"}, Arguments{"--dtm", made.site / "dtm_1m.tif"}}) {
+    const ToolRun run = made.scene(given);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("scene.crs_of_ground"));
   }
 }
 

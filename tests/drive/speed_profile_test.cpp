@@ -122,6 +122,22 @@ TEST(PlanSpeed, speed_limits_hold_and_the_comfort_of_passengers) {
   EXPECT_NEAR(speed[250], 20.0, 1e-6);
 }
 
+TEST(LegalSpeeds, are_those_of_the_place_and_of_the_lane) {
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 600.0, roadquery::Line{}});
+  road.speed_limit_mps = 30.0;
+  road.speed_limits = {{0.0, 30.0}, {200.0, 20.0}};
+  road.sections[0].right[0].speeds = {{400.0, 8.0}};
+  road.sections[0].left[0].speeds = {{500.0, 5.0}};
+  const roadquery::RoadQuery query(map_of({road}));
+  Route route;
+  route.steps = {{0, true}};
+  DrivingLine line = straight(600);
+  for (LinePoint& p : line.points) p.y_m = -1.75;
+  const std::vector<double> legal = legal_speeds(query, route, line);
+  for (const auto& [s, mps] : {std::pair(100, 30.0), {199, 30.0}, {201, 20.0}, {399, 20.0}, {401, 8.0}, {590, 8.0}})
+    EXPECT_EQ(legal[static_cast<std::size_t>(s)], mps) << s;
+}
+
 TEST(PlanSpeed, long_climb_slows_to_the_speed_at_which_force_balances) {
   const vehicle::CarParameters car = car_of("family_car.toml");
   DrivingLine line = straight(6000);

@@ -200,13 +200,16 @@ TEST(Ground, WithoutTerrainIsTheRoads) {
   EXPECT_EQ(turning.find(30.0, 1.0, 110.0, cursor).place, Place::junction);
 }
 
-TEST(Ground, PointsOfRoadsHaveTheHeightOfTheQuery) {
+TEST(Ground, PointsOfRoadsAreTheRoadsOwn) {
   const GroundQuery ground(crossing());
   for (double s = 0.5; s < 200.0; s += 2.3) {
     const SurfacePoint point = ground.point(0, s, 1.2);
     Cursor cursor;
-    const GroundHit hit = ground.find(point.x, point.y, point.z, cursor);
-    EXPECT_NEAR(hit.hit.z, point.z, 1e-9);
+    Hit hit;
+    ASSERT_EQ(ground.find(point.x, point.y, point.z, cursor = {0, s}, hit_all | hit_own, hit), Place::road);
+    EXPECT_EQ(hit.road, 0);
+    EXPECT_NEAR(hit.z, point.z, 1e-6);
+    EXPECT_NEAR(point.z, surface_point(ground.roads().map().roads[0], s, 1.2).z, 1e-6);
     EXPECT_NEAR(point.x, s, 1e-3);
   }
 }

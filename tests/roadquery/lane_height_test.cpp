@@ -125,7 +125,7 @@ RoadMap read_with(const std::string& heights) {
   return map;
 }
 
-TEST(LaneHeight, is_read_and_must_be_sorted) {
+TEST(LaneHeight, is_read_and_the_last_one_of_a_place_counts) {
   const RoadMap map = read_with(R"(<height sOffset="0" inner=".12" outer=".1"/><height sOffset="4" inner="0"/>)");
   const auto& heights = map.roads[0].sections[0].right[0].heights;
   ASSERT_EQ(heights.size(), 2u);
@@ -134,7 +134,9 @@ TEST(LaneHeight, is_read_and_must_be_sorted) {
   EXPECT_EQ(heights[1].s_offset, 4.0);
   EXPECT_EQ(heights[1].outer, 0.0);
   const std::string twice = R"(<height sOffset="4" inner="0" outer="0"/><height sOffset="4" inner="1" outer="1"/>)";
-  EXPECT_THROW((void)read_with(twice), std::runtime_error);
+  const RoadMap repeated = read_with(twice);
+  ASSERT_EQ(repeated.roads[0].sections[0].right[0].heights.size(), 1u);
+  EXPECT_EQ(repeated.roads[0].sections[0].right[0].heights[0].inner, 1.0);
 }
 
 }  // namespace

@@ -78,8 +78,6 @@ TEST(ReadMaterial, refuses_what_cannot_be) {
   EXPECT_THROW((void)read_lane(R"(<material sOffset="0" friction="-0.1"/>)"), std::runtime_error);
   EXPECT_THROW((void)read_lane(R"(<material sOffset="0" friction="grippy"/>)"), std::runtime_error);
   EXPECT_THROW((void)read_lane(R"(<material sOffset="0" friction="1" roughness="-1"/>)"), std::runtime_error);
-  EXPECT_THROW((void)read_lane(R"(<material sOffset="9" friction="1"/><material sOffset="3" friction="1"/>)"),
-               std::runtime_error);
 }
 
 }  // namespace

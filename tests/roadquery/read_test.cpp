@@ -117,12 +117,13 @@ TEST(ReadOpenDrive, header_offset_can_be_ignored_or_subtracted) {
   EXPECT_EQ(elevation(subtracted.roads[0], 0.0), 15.0);
 }
 
-TEST(ReadOpenDrive, header_offset_with_a_heading_can_only_be_ignored) {
+TEST(ReadOpenDrive, header_offset_with_a_heading_can_be_ignored) {
   std::string text = slurp(arc_file);
   text.replace(text.find("</header>"), 9, "<offset x=\"1000\" y=\"2000\" z=\"5\" hdg=\"0.5\"/></header>");
   const TemporaryXodr file(text);
-  EXPECT_THAT(error_of(file.path()), EndsWith("<offset> with a heading is not supported: it can only be ignored"));
   EXPECT_EQ(read_opendrive(file.path(), HeaderOffset::ignore).header_offset_hdg, 0.5);
+  EXPECT_EQ(read_opendrive(file.path(), HeaderOffset::ignore).roads[0].plan[0].x, 0.0);
+  EXPECT_EQ(read_opendrive(file.path()).roads[0].plan[0].hdg, 0.5);
 }
 
 TEST(ReadOpenDrive, errors_name_file_line_and_remedy) {
@@ -141,7 +142,8 @@ TEST(ReadOpenDrive, errors_name_file_line_and_remedy) {
   EXPECT_THAT(error_with("curvature=\"0.01\"", "curvature=\"1/100\""),
               EndsWith("line 10: <arc> has curvature=\"1/100\", which is not a number"));
   EXPECT_THAT(error_with("curvature=\"0.01\"", "curvature=\"nan\""), HasSubstr("which is not a number"));
-  EXPECT_THAT(error_with("id=\"7\"", "id=\"A7\""), HasSubstr("line 7: <road> has id=\"A7\", which is not an integer"));
+  EXPECT_THAT(error_with("lane id=\"-2\"", "lane id=\"A7\""),
+              HasSubstr("<lane> has id=\"A7\", which is not an integer"));
   EXPECT_THAT(error_with("<arc curvature=\"0.01\"/>", ""), HasSubstr("line 10: <geometry> without a shape"));
   EXPECT_THAT(error_with("<lane id=\"1\"", "<lane id=\"-1\""), HasSubstr("line 15: lane -1 stands under <left>"));
 }
@@ -156,7 +158,7 @@ TEST(ReadOpenDrive, misplaced_elements_are_passed_over_or_refused) {
   EXPECT_THAT(error_with("<left>", "<laneSection s=\"0\"/><lanes><laneSection s=\"0\"/></lanes><left>"),
               EndsWith("no error"));
   EXPECT_THAT(error_with("</lane></left>", "<lanes><laneSection s=\"0\"/></lanes><width/></lane></left>"),
-              EndsWith("no error"));  // the outer lane is gone: its width counts no longer
+              EndsWith("<width> lacks the attribute sOffset"));  // what stands in the lane by mistake is nobody's
   EXPECT_THAT(error_with("</header>",
                          "</header><junction id=\"1\"><a><connection><laneLink from=\"1\" to=\"1\"/>"
                          "</connection></a></junction>"),

@@ -143,12 +143,16 @@ TEST(Shape, is_read_with_the_reference_to_a_crg_file) {
   EXPECT_EQ(road.surface[0].z_scale, 2.0);
 }
 
-TEST(Shape, out_of_order_is_refused) {
+TEST(Shape, out_of_order_is_sorted_and_the_last_one_of_a_place_counts) {
   const std::string one = "<shape s=\"1\" t=\"2\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>";
-  for (const std::string& next : {std::string("<shape s=\"0\" t=\"3\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>"),
-                                  std::string("<shape s=\"1\" t=\"2\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>")}) {
-    EXPECT_THROW((void)read_opendrive(written(shaped_file(one + next, ""))), std::runtime_error);
-  }
+  const RoadMap sorted =
+      read_opendrive(written(shaped_file(one + "<shape s=\"0\" t=\"3\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>", "")));
+  ASSERT_EQ(sorted.roads[0].shape.size(), 2u);
+  EXPECT_EQ(sorted.roads[0].shape[0].t, 3.0);
+  const RoadMap repeated =
+      read_opendrive(written(shaped_file(one + "<shape s=\"1\" t=\"2\" a=\"5\" b=\"0\" c=\"0\" d=\"0\"/>", "")));
+  ASSERT_EQ(repeated.roads[0].shape.size(), 1u);
+  EXPECT_EQ(repeated.roads[0].shape[0].a, 5.0);
 }
 
 }  // namespace

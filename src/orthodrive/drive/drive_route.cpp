@@ -162,14 +162,14 @@ std::vector<double> stops_of_laps(const std::vector<double>& stops_m, const Driv
   return all;
 }
 
-SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, const EnvelopeTable& envelope,
+SpeedCaps caps_of(const roadquery::RoadQuery& query, const DriveOptions& options, const EnvelopeTable& envelope,
                   const DriveResult& result) {
   SpeedCaps caps;
   if (options.style == DrivingStyle::road) {
-    caps.legal_mps = legal_speeds(map, result.route, result.line);
+    caps.legal_mps = legal_speeds(query, result.route, result.line);
     slow_down_to_steer(options.car, envelope, result.line, options.driver.max_lateral_mps2, caps.legal_mps);
   }
-  if (options.stops) caps.stops_m = give_way_places(map, result.route, result.line);
+  if (options.stops) caps.stops_m = give_way_places(query.map(), result.route, result.line);
   return caps;
 }
 
@@ -236,7 +236,7 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   result.route = route, result.car = options.car, result.step_s = options.step_s;
   result.line = make_driving_line(query, route, line_options(options));
   if (options.style != DrivingStyle::racing && !stop_before_tight_bend(result)) return result;
-  const SpeedCaps caps = caps_of(query.map(), options, envelope, result);
+  const SpeedCaps caps = caps_of(query, options, envelope, result);
   const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
   if (!result.route.closed) report_open_route(result);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "roadquery/road_surface.hpp"
+#include "roadquery/speed_limits.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -71,6 +74,16 @@ double faster(double speed_mps, double acceleration_mps2, double way_m) {
   return std::sqrt(std::max(speed_mps * speed_mps + 2.0 * acceleration_mps2 * way_m, 0.0));
 }
 
+/// Of the driving lane that is driven on; beside driving lanes of those in one's direction.
+double limit_on(const roadquery::Road& road, const roadquery::Hit& hit, bool forward) {
+  const roadquery::LaneSection& section = roadquery::section_at(road, hit.s);
+  for (const roadquery::Lane& lane : hit.lane_id > 0 ? section.left : section.right)
+    if (lane.id == hit.lane_id && lane.type == roadquery::LaneType::driving)
+      return roadquery::lane_limit_mps(road, hit.lane_id, hit.s);
+  const bool on_right = forward == (road.driving_side == roadquery::DrivingSide::right);
+  return roadquery::fastest_limit_mps(road, hit.s, on_right ? roadquery::LimitSide::right : roadquery::LimitSide::left);
+}
+
 void stop_at(const DrivingLine& line, double s_m, std::vector<double>& speed) {
   const auto& p = line.points;
   const auto after = std::lower_bound(p.begin(), p.end(), s_m, [](const LinePoint& q, double s) { return q.s_m < s; });
@@ -127,12 +140,20 @@ std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& env
   return speed;
 }
 
-std::vector<double> legal_speeds(const roadquery::RoadMap& map, const Route& route, const DrivingLine& line) {
+std::vector<double> legal_speeds(const roadquery::RoadQuery& query, const Route& route, const DrivingLine& line) {
+  const roadquery::RoadMap& map = query.map();
   std::vector<double> legal;
   legal.reserve(line.points.size());
+  roadquery::Cursor cursor;
   for (const LinePoint& p : line.points) {
     const RouteStep& step = route.steps[static_cast<std::size_t>(p.step)];
-    const double limit = map.roads[static_cast<std::size_t>(step.road)].speed_limit_mps;
+    const roadquery::Road& road = map.roads[static_cast<std::size_t>(step.road)];
+    double limit = road.speed_limit_mps;
+    if (has_lane_limits(road)) {
+      if (cursor.road != step.road) cursor = {step.road, step.forward ? 0.0 : road.length};
+      const auto hit = query.find(p.x_m, p.y_m, p.z_m, cursor, roadquery::hit_position);
+      if (hit && hit->road == step.road) limit = limit_on(road, *hit, step.forward);
+    }
     legal.push_back(limit > 0.0 ? limit : std::numeric_limits<double>::infinity());
   }
   return legal;

@@ -37,8 +37,9 @@ struct SpeedCaps {
 [[nodiscard]] std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& envelope,
                                              const Driver& driver, const SpeedCaps& caps = {});
 
-/// Tagged speed limit at every point of the line, m/s; infinite where a road has none.
-[[nodiscard]] std::vector<double> legal_speeds(const roadquery::RoadMap& map, const Route& route,
+/// Speed limit at every point of the line, m/s: that of the lane below it, else of the road there; infinite where there
+/// is none.
+[[nodiscard]] std::vector<double> legal_speeds(const roadquery::RoadQuery& query, const Route& route,
                                                const DrivingLine& line);
 
 /// Places along the line, at the end of a road, where other traffic goes first (Junction::priorities): one stops there.

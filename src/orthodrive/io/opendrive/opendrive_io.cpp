@@ -17,6 +17,7 @@
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 #include "roadquery/lane_type_name.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -168,16 +169,26 @@ bool is_unmarked(const Lane& lane) {
                      [](const roadquery::RoadMark& mark) { return mark.type == "none"; });
 }
 
+/// Lanes beside the driving ones that have no width at an end lead nowhere there (1.4, 9.4: zero_width_at_start and
+/// zero_width_at_end of ASAM's checker).
+bool leads_on(const Lane& lane, double s_in_section) {
+  constexpr double least_width_m = 1e-6;
+  return lane.id == 0 || lane.type == roadquery::LaneType::driving ||
+         roadquery::lane_width(lane, s_in_section) > least_width_m;
+}
+
 /// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only, and only of roads outside junctions.
 void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited& from, double section_length_m,
               double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set_attribute(node, "id", lane.id);
   set_attribute(node, "type", written_lane_type(lane));
-  if (lane.predecessor || lane.successor) {
+  const bool has_predecessor = lane.predecessor && leads_on(lane, 0.0),
+             has_successor = lane.successor && leads_on(lane, section_length_m);
+  if (has_predecessor || has_successor) {
     pugi::xml_node link = node.append_child("link");
-    if (lane.predecessor) set_attribute(link.append_child("predecessor"), "id", *lane.predecessor);
-    if (lane.successor) set_attribute(link.append_child("successor"), "id", *lane.successor);
+    if (has_predecessor) set_attribute(link.append_child("predecessor"), "id", *lane.predecessor);
+    if (has_successor) set_attribute(link.append_child("successor"), "id", *lane.successor);
   }
   add_cubics(node, "width", lane.width, section_length_m, width_decimals, "sOffset");
   for (const roadquery::RoadMark& mark : is_unmarked(lane) ? std::vector<roadquery::RoadMark>{} : lane.marks) {

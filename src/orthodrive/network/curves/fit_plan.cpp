@@ -16,6 +16,7 @@
 #include "orthodrive/network/curves/clothoid_chain.hpp"
 #include "orthodrive/network/curves/cubic_plan.hpp"
 #include "orthodrive/network/curves/smooth_points.hpp"
+#include "roadquery/poly_curve.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
@@ -184,11 +185,13 @@ PlanFit cubic_fit(std::span<const Vec2> points, bool closed) {
   return fit;
 }
 
-/// Curvatures that differ by less than a file or a reader can tell are one: SUMO drops spirals whose ends are the same.
-/// Place and heading at the end move by less than 1e-8 by it.
+/// Curvatures that differ by less than a file or a reader can tell are one: SUMO drops spirals whose ends are the same,
+/// CommonRoad refuses a file for one whose ends differ by 1.35e-6 1/m. The end moves by change length^2 / 12 to the
+/// side by it, 5e-6 m at most, and keeps its heading.
 roadquery::PlanShape shape_of(double curvature0, double curvature1, double length) {
   const double change = std::abs(curvature1 - curvature0);
-  if (change > 1e-9 || (change > 1e-12 && change * length * length > 1e-8)) return Spiral{curvature0, curvature1};
+  constexpr double least_change = 2e-6, most_aside_m = 5e-6;
+  if (change > least_change || change * length * length / 12.0 > most_aside_m) return Spiral{curvature0, curvature1};
   const double mean = 0.5 * (curvature0 + curvature1);
   if (mean == 0.0) return Line{};
   return Arc{mean};
@@ -294,8 +297,10 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
     if (b - a < sliver_m) continue;
     const double u = (a - e.s) / e.length, v = (b - e.s) / e.length;
     PlanElement part;
-    if (std::holds_alternative<ParamPoly3>(e.shape)) {
-      part = cubic_part(e, u, v);
+    if (const ParamPoly3* poly = std::get_if<ParamPoly3>(&e.shape)) {
+      const double range = poly->normalized ? 1.0 : e.length;
+      part = cubic_part(e, roadquery::place_along(e, *poly, a - e.s).p / range,
+                        roadquery::place_along(e, *poly, b - e.s).p / range);
     } else {
       const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
       part = {0.0, q.x, q.y, wrapped_angle(q.hdg), 0.0, e.shape};

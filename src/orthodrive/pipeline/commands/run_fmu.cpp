@@ -8,6 +8,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/find_resource.hpp"
 #include "orthodrive/io/opendrive/fmu_io.hpp"
+#include "orthodrive/pipeline/files/read_network.hpp"
 #include "roadquery/ground_query.hpp"
 #include "vehicle/read_car.hpp"
 
@@ -21,7 +22,8 @@ fs::path shared_library(const std::string& identifier) {
                        "build the target fmu_roads or fmu_car");
 }
 
-void add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources) {
+/// Returns what was odd in the roads.
+Findings add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources) {
   roadquery::GroundStage stage{};
   const roadquery::GroundQuery ground =
       roadquery::read_ground({.network = files.network.string(), .terrain = files.terrain.string()}, stage);
@@ -38,6 +40,7 @@ void add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources)
           fmt::format("names the OpenCRG file {}, which does not lie beside or below it: it cannot be packed", name));
     resources.push_back({relative.generic_string(), files.network.parent_path() / relative});
   }
+  return reading_findings(ground.roads().map());
 }
 
 fs::path car_file(const std::string& car) {
@@ -50,7 +53,8 @@ fs::path car_file(const std::string& car) {
 
 StageOutcome run_fmu(const FmuFiles& files, const FmuOptions& options, StageContext&) {
   std::vector<io::FmuResource> resources;
-  if (!files.network.empty()) add_network(files, resources);
+  Findings findings;
+  if (!files.network.empty()) findings = add_network(files, resources);
   const fmu::ModelKind& kind = files.car.empty() ? fmu::road_model() : fmu::car_model();
   if (!files.car.empty()) {
     const fs::path file = car_file(files.car);
@@ -59,7 +63,7 @@ StageOutcome run_fmu(const FmuFiles& files, const FmuOptions& options, StageCont
   }
   io::write_fmu(files.fmu, kind, options.fmi_version, shared_library(kind.identifier), resources);
   return {.numbers = {{"variables", kind.variables.size()}},
-          .findings = {},
+          .findings = std::move(findings),
           .summary = {fmt::format("{}: {} (FMI {}.0), {} variables, {} files packed", files.fmu.string(),
                                   kind.identifier, options.fmi_version, kind.variables.size(), resources.size())}};
 }

@@ -15,6 +15,7 @@
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/io/tiles/tile_reader.hpp"
+#include "orthodrive/pipeline/files/read_network.hpp"
 #include "orthodrive/pipeline/score/network_verdict.hpp"
 #include "orthodrive/pipeline/score/road_layers.hpp"
 #include "orthodrive/report/label_report.hpp"
@@ -168,13 +169,31 @@ ScoreJson score_heights(const ScoreRequest& request) {
   return to_json(evaluate_heights(roads, terrain, region));
 }
 
+namespace {
+/// Before anything is scored: places are written as longitudes and latitudes.
+void require_place(const fs::path& file, const roadquery::RoadMap& map) {
+  const roadquery::PlanPoint at = roadquery::reference_point(map.roads.front(), 0.0);
+  try {
+    (void)CoordinateTransform(Crs{map.geo_reference}, Crs{"EPSG:4326"}).target_from_source({at.x, at.y});
+  } catch (const Error& error) {
+    throw InputError(file.string(),
+                     fmt::format("has a geoReference that does not place it on Earth ({}); leave --findings and "
+                                 "--layers out, or write a PROJ string there",
+                                 error.what()));
+  }
+}
+}  // namespace
+
 ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& options) {
   if (!fs::exists(request.scored)) throw InputError(request.scored.string(), "no such file");
   const roadquery::RoadMap map = roadquery::read_opendrive(request.scored.string());
   const bool placed = !options.findings.empty() || !options.layers.empty();
   if (placed && map.geo_reference.empty())
     throw InputError(request.scored.string(), "has no geoReference, so nobody knows where on Earth its places lie");
+  if (placed) require_place(request.scored, map);
   ScoreJson scores = to_json(evaluate_network(map));
+  for (const Finding& note : reading_findings(map))
+    scores["reading"].push_back({{"code", note.code}, {"message", note.message}, {"x", note.x_m}, {"y", note.y_m}});
   const JudgeNetworkOptions judging{.threads = options.threads};
   const NetworkVerdict verdict = judge_network(map, judging);
   scores["verdict"] = to_json(verdict, judging.limits);

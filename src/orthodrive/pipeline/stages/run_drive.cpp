@@ -5,12 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <optional>
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/find_resource.hpp"
 #include "orthodrive/drive/drive_all_roads.hpp"
 #include "orthodrive/drive/drive_route.hpp"
+#include "orthodrive/pipeline/files/read_network.hpp"
 #include "orthodrive/pipeline/stages/bare_road_finding.hpp"
 #include "orthodrive/report/lap_exchange.hpp"
 #include "orthodrive/report/lap_report.hpp"
@@ -85,16 +87,30 @@ nlohmann::json numbers_of(const DriveResult& drive) {
           {"max_height_step_m", drive.max_height_step_m}};
 }
 
-void write_drive(const DriveFiles& files, const roadquery::RoadMap& map, const DriveResult& drive,
-                 StageContext& context) {
+/// None where nobody can say where on Earth the lap lies: a finding says why.
+std::optional<std::string> gpx_of(const roadquery::RoadMap& map, const DriveResult& drive, Findings& findings) {
+  std::string why = "the network has no geoReference";
+  try {
+    if (!map.geo_reference.empty()) return lap_gpx(drive, map.geo_reference);
+  } catch (const Error& error) {
+    why = fmt::format("the lap cannot be placed on Earth by the network's geoReference ({})", error.what());
+  }
+  const DriveSample start = drive.samples.empty() ? DriveSample{} : drive.samples.front();
+  findings.push_back({.severity = Severity::info,
+                      .code = "drive.no_gpx",
+                      .message = why + ": there is no lap.gpx",
+                      .x_m = start.x_m,
+                      .y_m = start.y_m});
+  return std::nullopt;
+}
+
+void write_drive(const DriveFiles& files, const roadquery::RoadMap& map, const DriveResult& drive, Findings& findings) {
   write_text_file(files.folder / "lap.csv", lap_csv(drive));
   write_text_file(files.folder / "cycle.csv", cycle_csv(drive));
   const fs::path network = fs::relative(fs::absolute(files.network), fs::absolute(files.folder));
   write_text_file(files.folder / "lap.xosc", lap_openscenario(drive, network.generic_string()));
-  if (map.geo_reference.empty())
-    context.info("the network has no geoReference: no lap.gpx");
-  else
-    write_text_file(files.folder / "lap.gpx", lap_gpx(drive, map.geo_reference));
+  if (const std::optional<std::string> gpx = gpx_of(map, drive, findings))
+    write_text_file(files.folder / "lap.gpx", *gpx);
   write_text_file(files.folder / "report.html", lap_report_html(map, drive));
   if (!files.plots.empty()) write_text_file(files.plots, fmt::format("{}", fmt::join(lap_plots(map, drive), "\n")));
 }
@@ -161,8 +177,8 @@ StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, c
   const roadquery::RoadQuery query(map);
   const DriveOptions drive_as = drive_options(options, options.style.value_or(usual));
   const DriveResult drive = drive_route(query, route, drive_as, EnvelopeTable(drive_as.car), context.monitor);
-  write_drive(files, map, drive, context);
   StageOutcome outcome{.numbers = numbers_of(drive), .findings = drive.findings};
+  write_drive(files, map, drive, outcome.findings);
   for (const auto& [label, value] : lap_numbers(drive)) outcome.summary.push_back(fmt::format("{}: {}", label, value));
   return outcome;
 }
@@ -171,8 +187,8 @@ StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, c
 
 StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& run_options, StageContext& context) {
   RunDriveOptions options = run_options;
-  roadquery::RoadMap map = roadquery::read_opendrive(files.network.string());
   Findings odd;
+  roadquery::RoadMap map = read_network(files.network, odd);
   if (const auto bare = widen_bare_roads(map, options.bare_width_m, "drive")) {
     odd.push_back(*bare);
     if (!options.style) options.style = DrivingStyle::centre;

@@ -18,6 +18,7 @@
 #include "orthodrive/io/vector/surroundings_reader.hpp"
 #include "orthodrive/io/vector/tree_reader.hpp"
 #include "orthodrive/model/rasters/sample_height.hpp"
+#include "orthodrive/pipeline/files/read_network.hpp"
 #include "orthodrive/pipeline/stages/bare_road_finding.hpp"
 #include "orthodrive/pipeline/stages/choose_roads.hpp"
 #include "orthodrive/report/site_pictures.hpp"
@@ -27,6 +28,8 @@
 #include "orthodrive/scene/ground/terrain_windows.hpp"
 #include "orthodrive/scene/look/surface_texture.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
+#include "roadquery/road_structures.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -39,19 +42,6 @@ void fields(Archive& archive, TileEntry& e) {
 }  // namespace io
 
 namespace {
-/// As the roads name it.
-Crs crs_of_roads(const std::string& network_file, const roadquery::RoadMap& roads) {
-  if (roads.geo_reference.empty())
-    throw InputError(network_file, "has no geoReference, so its place is unknown; write it with `orthodrive network`");
-  return {roads.geo_reference};
-}
-
-/// The roads' CRS; by the photo's name for it when both are the same.
-Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, const Crs& photo_crs) {
-  const Crs crs = crs_of_roads(network_file, roads);
-  return proj_string(photo_crs) == proj_string(crs) ? photo_crs : crs;
-}
-
 bool is_understood(const Crs& crs, Vec2 place) {
   try {
     (void)CoordinateTransform(crs, {"EPSG:4326"}).target_from_source(place);
@@ -61,16 +51,52 @@ bool is_understood(const Crs& crs, Vec2 place) {
   }
 }
 
+Vec2 first_place(const roadquery::RoadMap& roads) {
+  if (roads.roads.empty()) return {};
+  const roadquery::PlanPoint p = roadquery::reference_point(roads.roads.front(), 0.0);
+  return {p.x, p.y};
+}
+
+/// Empty where the roads' CRS can be used; else what is wrong with it.
+std::string fault_of_reference(const roadquery::RoadMap& roads) {
+  if (roads.geo_reference.empty()) return "the roads have no geoReference";
+  if (is_understood({roads.geo_reference}, first_place(roads))) return "";
+  return fmt::format("the roads' geoReference \"{}\" is not understood", roads.geo_reference);
+}
+
+/// As the roads name it, where maps are laid on them.
+Crs crs_of_roads(const std::string& network_file, const roadquery::RoadMap& roads) {
+  if (!fault_of_reference(roads).empty())
+    throw InputError(network_file,
+                     (roads.geo_reference.empty()
+                          ? std::string("has no geoReference")
+                          : fmt::format("has the geoReference \"{}\", which is not understood", roads.geo_reference)) +
+                         ", so maps cannot be laid on its roads; leave the maps out, or write a PROJ string such as "
+                         "+proj=utm +zone=33 +datum=WGS84 into the <header>");
+  return {roads.geo_reference};
+}
+
+/// The CRS of the roads beside a photo or terrain model, by that file's name for it when both are the same. Roads that
+/// do not know theirs have the file's: a finding says so.
+Crs crs_beside(const roadquery::RoadMap& roads, const fs::path& file, const Crs& of_file, Findings& findings) {
+  const std::string fault = fault_of_reference(roads);
+  if (fault.empty())
+    return proj_string(of_file) == proj_string({roads.geo_reference}) ? of_file : Crs{roads.geo_reference};
+  const Vec2 place = first_place(roads);
+  findings.push_back({Severity::warning, "scene.crs_of_ground",
+                      fmt::format("{}: their coordinates are taken to be those of {}", fault, file.string()), place.x,
+                      place.y});
+  return of_file;
+}
+
 /// Where roads are all there is, nothing need lie at its place on the earth: the scene takes the coordinates as they
 /// are, around 0 north, 0 east. A finding says so.
-Crs crs_of_roads_alone(const roadquery::RoadMap& roads, const Polygon& area, Findings& findings) {
-  const Vec2 place = area.outer.front();
-  if (!roads.geo_reference.empty() && is_understood({roads.geo_reference}, place)) return {roads.geo_reference};
-  const std::string why = roads.geo_reference.empty()
-                              ? "the roads have no geoReference"
-                              : fmt::format("the roads' geoReference \"{}\" is not understood", roads.geo_reference);
+Crs crs_of_roads_alone(const roadquery::RoadMap& roads, Findings& findings) {
+  const std::string fault = fault_of_reference(roads);
+  if (fault.empty()) return {roads.geo_reference};
+  const Vec2 place = first_place(roads);
   findings.push_back({Severity::info, "scene.local_frame",
-                      why + ": the scene has the coordinates of the file, and lies at 0 north, 0 east on a globe",
+                      fault + ": the scene has the coordinates of the file, and lies at 0 north, 0 east on a globe",
                       place.x, place.y});
   return {"+proj=tmerc +lat_0=0 +lon_0=0 +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs"};
 }
@@ -81,15 +107,14 @@ struct PlacedPhoto {
   PhotoSource photo;
 };
 
-/// With a site on its grid. Without one the area is what the photos show: on its own grid where it is one photo in the
-/// CRS of the roads, warped otherwise.
-PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, const RunSceneOptions& options,
-                              StageContext& context) {
-  const io::ReadPhotoOptions photo_options{.threads = context.threads};
-  if (options.site) return {*options.site, io::open_photo(files.photos, *options.site, photo_options)};
+/// Without a site the area is what the photos show: on its own grid where it is one photo in the CRS of the roads,
+/// warped otherwise.
+PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, int threads,
+                              Findings& findings) {
+  const io::ReadPhotoOptions photo_options{.threads = threads};
   const fs::path& first = files.photos.front();
   const io::RasterInfo info = io::raster_info(first);
-  PlacedPhoto placed{.site = {site_crs(files.network.string(), roads, info.crs), {}}};
+  PlacedPhoto placed{.site = {crs_beside(roads, first, info.crs, findings), {}}};
   const bool one = files.photos.size() == 1;
   if (one && placed.site.crs != info.crs) {
     const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});
@@ -115,6 +140,7 @@ std::optional<Polygon> largest_common_part(const Polygon& a, const Polygon& b) {
 /// All that a scene is made of, opened or read. Without a terrain model the ground follows the roads, without a photo
 /// it is drawn: the scene knows no difference.
 struct SceneInputs {
+  Findings findings;
   roadquery::RoadMap all_roads;  ///< of the network
   roadquery::RoadMap roads;      ///< that are cut into the ground
   SiteFrame site;
@@ -124,13 +150,16 @@ struct SceneInputs {
   std::vector<Building> buildings;
   std::vector<Vec2> trees;
   MapSurroundings surroundings;
-  Findings findings;
 
   SceneInputs(const SceneFiles& files, const RunSceneOptions& options, StageContext& context)
-      : all_roads(roadquery::read_opendrive(files.network.string())) {
+      : all_roads(read_network(files.network, findings)) {
     if (const auto bare = widen_bare_roads(all_roads, files.bare_width_m, "scene")) findings.push_back(*bare);
     roads = files.chosen_roads.empty() ? all_roads : map_of_chosen(all_roads, files.chosen_roads, "--roads");
     place(files, options, context);
+    for (roadquery::RoadMap* map : {&all_roads, &roads}) {
+      *map = roadquery::cut_at_structures(std::move(*map));
+      if (!fault_of_reference(*map).empty()) map->geo_reference = site.crs.definition;
+    }
     if (files.dtm.empty())
       terrain.dtms = {scene::generic_terrain(all_roads, box(), files.network.string())};
     else  // The models are kept for other stages only where a site is built.
@@ -162,15 +191,24 @@ struct SceneInputs {
   /// CRS and area, with the photo if there is one.
   void place(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
     if (!files.photos.empty()) {
-      PlacedPhoto placed = open_placed_photo(files, roads, options, context);
+      const io::ReadPhotoOptions on_site{.threads = context.threads};
+      PlacedPhoto placed = options.site
+                               ? PlacedPhoto{*options.site, io::open_photo(files.photos, *options.site, on_site)}
+                               : open_placed_photo(files, roads, context.threads, findings);
       site = std::move(placed.site), photo = std::move(placed.photo);
       return;
     }
     const std::string name = files.network.string();
     site.area = scene::area_around_roads(roads, options.margin_m, name);
-    const bool roads_alone =
-        files.dtm.empty() && files.buildings.empty() && files.trees.empty() && files.surroundings.empty();
-    site.crs = roads_alone ? crs_of_roads_alone(roads, site.area, findings) : crs_of_roads(name, roads);
+    const bool has_maps = !files.buildings.empty() || !files.trees.empty() || !files.surroundings.empty();
+    if (has_maps)
+      site.crs = crs_of_roads(name, roads);
+    else if (files.dtm.empty())
+      site.crs = crs_of_roads_alone(roads, findings);
+    else if (fault_of_reference(roads).empty())
+      site.crs = {roads.geo_reference};
+    else
+      site.crs = crs_beside(roads, files.dtm.front(), io::raster_info(files.dtm.front()).crs, findings);
     if (files.dtm.empty()) return;
     const auto on_terrain = largest_common_part(site.area, area_of_photos(files.dtm, site.crs));
     if (!on_terrain) throw InputError(names_of(files.dtm), "shares no ground with the roads of " + name);
