@@ -30,7 +30,7 @@ std::optional<LaneMaterial> only_material(const Road& road) {
   for (const LaneSection& section : road.sections)
     for (const auto* side : {&section.left, &section.right})
       for (const Lane& lane : *side) {
-        if (lane.type != LaneType::driving) continue;
+        if (!is_driven(lane.type)) continue;
         if (lane.materials.size() != 1 || (only && !same(*only, lane.materials.front()))) return std::nullopt;
         only = lane.materials.front();
       }
@@ -55,7 +55,7 @@ Inherited inherited(const RoadMap& map, const Road& road) {
 }
 
 bool has_inherited_material(const Lane& lane, const Inherited& from) {
-  return lane.type == LaneType::driving && from.material && lane.materials.size() == 1 &&
+  return is_driven(lane.type) && from.material && lane.materials.size() == 1 &&
          same(lane.materials.front(), *from.material);
 }
 

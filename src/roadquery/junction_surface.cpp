@@ -218,16 +218,24 @@ bool is_beside_carriageway(const Lane& lane) {
   return lane.type == LaneType::sidewalk || (lane.type == LaneType::border && !lane.heights.empty()) ||
          lane.type == LaneType::none || lane.type == LaneType::other;
 }
+
+/// Roads that are closed to cars have lanes of type "other" alone: those are their carriageway.
+bool has_carriageway(const LaneSection& section) {
+  const auto is_part = [](const Lane& lane) { return !is_beside_carriageway(lane); };
+  return std::any_of(section.left.begin(), section.left.end(), is_part) ||
+         std::any_of(section.right.begin(), section.right.end(), is_part);
+}
 }  // namespace
 
 Edges carriageway_edges(const Road& road, double s) {
   s = std::clamp(s, 0.0, road.length);
   const LaneSection& section = section_at(road, s);
   const double offset = evaluate(road.lane_offset, s);
+  const bool closed = !has_carriageway(section);
   const auto width_m = [&](const std::vector<Lane>& lanes) {
     double width = 0.0;
     for (const Lane& lane : lanes) {
-      if (is_beside_carriageway(lane)) break;
+      if (is_beside_carriageway(lane) && !(closed && lane.type == LaneType::other)) break;
       width += lane_width(lane, s - section.s);
     }
     return width;

@@ -22,6 +22,12 @@ namespace roadquery {
       return "parking";
     case LaneType::biking:
       return "biking";
+    case LaneType::bidirectional:
+      return "bidirectional";
+    case LaneType::bus:
+      return "bus";
+    case LaneType::taxi:
+      return "taxi";
     case LaneType::other:
       break;
   }

@@ -37,18 +37,18 @@ LaneType lane_type(std::string_view name) {
     std::string_view name;
     LaneType type;
   };
-  // Everything a car may use is "driving"; the other types that OpenDRIVE knows are "other".
+  // What is for cars that run along it is "driving"; the other types that OpenDRIVE knows are "other".
   static constexpr Entry entries[] = {
       {"none", LaneType::none},         {"driving", LaneType::driving},
       {"shoulder", LaneType::shoulder}, {"border", LaneType::border},
       {"sidewalk", LaneType::sidewalk}, {"walking", LaneType::sidewalk},
       {"curb", LaneType::border},       {"parking", LaneType::parking},
-      {"biking", LaneType::biking},     {"bidirectional", LaneType::driving},
+      {"biking", LaneType::biking},     {"bidirectional", LaneType::bidirectional},
       {"entry", LaneType::driving},     {"exit", LaneType::driving},
       {"mwyEntry", LaneType::driving},  {"mwyExit", LaneType::driving},
       {"onRamp", LaneType::driving},    {"offRamp", LaneType::driving},
       {"slipLane", LaneType::driving},  {"connectingRamp", LaneType::driving},
-      {"bus", LaneType::driving},       {"taxi", LaneType::driving},
+      {"bus", LaneType::bus},           {"taxi", LaneType::taxi},
       {"HOV", LaneType::driving},
   };
   const auto* found =
@@ -252,7 +252,7 @@ class Builder {
     for (LaneSection& section : road.sections)
       for (auto* side : {&section.left, &section.right})
         for (Lane& lane : *side)
-          if (lane.type == LaneType::driving && lane.materials.empty()) lane.materials = {*from.material};
+          if (is_driven(lane.type) && lane.materials.empty()) lane.materials = {*from.material};
   }
 
   void start_top(std::string_view name, const Attributes& a) {
@@ -472,6 +472,8 @@ class Builder {
       lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
     } else if (parent == "lane" && name == "material" && lane_->id != 0) {
       read_material(*lane_, a);
+    } else if (parent == "lane" && name == "access" && lane_->id != 0) {
+      if (a.text("rule") == "allow") lane_->allowed.push_back(a.text("restriction"));
     } else if (parent == "lane" && name == "height" && lane_->id != 0) {
       read_height(*lane_, a);
     } else if (parent == "link" && name == "predecessor") {

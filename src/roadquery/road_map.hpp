@@ -57,7 +57,13 @@ struct SurfaceCrg {
   double x_offset = 0.0, y_offset = 0.0;  ///< mode "global" (1.9, 10.6.1.4): where the file's origin lies
 };
 
-enum class LaneType { none, driving, shoulder, border, sidewalk, parking, biking, other };
+/// bidirectional: cars of both directions; bus and taxi: no others.
+enum class LaneType { none, driving, shoulder, border, sidewalk, parking, biking, other, bidirectional, bus, taxi };
+
+/// Whether cars drive on lanes of this type.
+[[nodiscard]] constexpr bool is_driven(LaneType type) {
+  return type == LaneType::driving || type == LaneType::bidirectional;
+}
 
 struct RoadMark {
   double s_offset = 0.0;
@@ -96,6 +102,8 @@ struct Lane {
   std::vector<LaneHeight> heights;      ///< sorted by s_offset; empty: on the road's surface
   std::vector<SpeedLimit> speeds;       ///< sorted by s; before them, and where they give none, the road's counts
   bool level = false;                   ///< as written; read_opendrive has put what it means into `heights`
+  /// Who alone may use it (1.7, 11.7.5 <access rule="allow">: "bus", "taxi", "bicycle"); empty: as its type says.
+  std::vector<std::string> allowed;
 };
 
 struct LaneSection {

@@ -199,7 +199,10 @@ enum {
   RQ_LANE_SIDEWALK = 4,
   RQ_LANE_PARKING = 5,
   RQ_LANE_BIKING = 6,
-  RQ_LANE_OTHER = 7
+  RQ_LANE_OTHER = 7,
+  RQ_LANE_BIDIRECTIONAL = 8,
+  RQ_LANE_BUS = 9,
+  RQ_LANE_TAXI = 10
 };
 typedef struct rq_lane {
   int32_t id; /* > 0 left of the reference line */

@@ -65,6 +65,20 @@ TEST(FindRoute, name_and_osm_id_choose_the_loop_and_case_does_not_matter) {
               HasSubstr("no road is called '11'"));
 }
 
+TEST(FindRoute, a_lane_for_both_directions_is_driven_both_ways_and_a_bus_lane_by_no_car) {
+  std::vector<Road> roads = make_stadium(1, 0.0, 0.0, 400.0, 60.0);
+  for (Road& road : roads) {
+    road.sections[0].left.clear();
+    for (roadquery::Lane& lane : road.sections[0].right) lane.type = roadquery::LaneType::bidirectional;
+  }
+  const RoadMap map = map_of(roads);
+  EXPECT_TRUE(is_drivable(map.roads[0], true));
+  EXPECT_TRUE(is_drivable(map.roads[0], false));
+  for (Road& road : roads)
+    for (roadquery::Lane& lane : road.sections[0].right) lane.type = roadquery::LaneType::bus;
+  EXPECT_FALSE(is_drivable(map_of(roads).roads[0], true));
+}
+
 TEST(FindRoute, lanes_give_the_direction) {
   std::vector<Road> roads = make_stadium(1, 0.0, 0.0, 400.0, 60.0);
   for (Road& road : roads) road.sections[0].right.clear();  // left lanes only: one-way against s

@@ -152,8 +152,8 @@ TEST(OsmTags, contradictions_are_settled_and_told) {
   EXPECT_EQ(way.path.lanes, 3);
   EXPECT_EQ(way.doubts.size(), 1u);
   way = read({{"lanes", "2"}, {"oneway", "yes"}, {"lanes:backward", "1"}});
-  EXPECT_EQ(way.path.lanes_forward, 2);
-  EXPECT_EQ(way.path.lanes_backward, 0);
+  EXPECT_EQ(way.path.lanes_forward, 1);
+  EXPECT_EQ(way.path.use_backward, "none") << "a lane against the traffic is none for cars";
   EXPECT_EQ(way.doubts.size(), 1u);
   way = read({{"lanes", "3"}, {"lanes:forward", "2"}, {"turn:lanes:forward", "left"}});
   EXPECT_TRUE(way.path.turn_forward.empty());

@@ -28,7 +28,7 @@ double lane_center_t(const Road& road, bool forward, double s) {
   double outer = 0.0, center = 0.0;
   for (const Lane& lane : right ? section.right : section.left) {
     const double width = roadquery::lane_width(lane, s - section.s);
-    if (lane.type == roadquery::LaneType::driving) center = outer + 0.5 * width;
+    if (roadquery::is_driven(lane.type)) center = outer + 0.5 * width;
     outer += width;
   }
   const double t = roadquery::evaluate(road.lane_offset, s) + (right ? -center : center);
@@ -162,7 +162,7 @@ roadquery::Edges driving_edges(const Road& road, double s) {
     double outer = 0.0, driven = 0.0;
     for (const Lane& lane : lanes) {
       outer += roadquery::lane_width(lane, s - section.s);
-      if (lane.type == roadquery::LaneType::driving) driven = outer;
+      if (roadquery::is_driven(lane.type)) driven = outer;
     }
     return driven;
   };

@@ -41,7 +41,7 @@ bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit) {
   const auto& lanes = hit.lane_id < 0 ? section.right : section.left;
   const auto index = static_cast<std::size_t>(std::abs(hit.lane_id));
   // On the centre line or exactly on an edge no lane is named.
-  return index == 0 || index > lanes.size() || lanes[index - 1].type == roadquery::LaneType::driving;
+  return index == 0 || index > lanes.size() || roadquery::is_driven(lanes[index - 1].type);
 }
 
 std::optional<roadquery::Hit> place_for_car(const roadquery::RoadQuery& query, double x_m, double y_m, double z_m,

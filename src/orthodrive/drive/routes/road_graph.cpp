@@ -34,6 +34,15 @@ bool attaches(const Road& connecting, ContactPoint contact, const Road& road, bo
   return link.id == road.id && link.contact == (forward ? ContactPoint::end : ContactPoint::start);
 }
 
+/// Whether one leaves the road by that lane, in that direction: lanes for both are on either side of the centre lane.
+bool leaves_by(const Road& road, bool forward, int lane_id) {
+  if (lane_id * lane_sign(road, forward) > 0) return true;
+  const roadquery::LaneSection& section = forward ? road.sections.back() : road.sections.front();
+  return std::ranges::any_of(lane_id < 0 ? section.right : section.left, [lane_id](const roadquery::Lane& lane) {
+    return lane.id == lane_id && lane.type == roadquery::LaneType::bidirectional;
+  });
+}
+
 /// Where a road is left in that direction (or entered, against it).
 Vec2 end_of(const Road& road, bool forward) {
   const auto p = roadquery::reference_point(road, forward ? road.length : 0.0);
@@ -44,9 +53,13 @@ Vec2 end_of(const Road& road, bool forward) {
 
 bool is_drivable(const Road& road, bool forward) {
   return std::all_of(road.sections.begin(), road.sections.end(), [&](const roadquery::LaneSection& section) {
-    const auto& lanes = lane_sign(road, forward) < 0 ? section.right : section.left;
-    return std::any_of(lanes.begin(), lanes.end(),
-                       [](const roadquery::Lane& lane) { return lane.type == roadquery::LaneType::driving; });
+    const bool right = lane_sign(road, forward) < 0;
+    const auto has = [](const std::vector<roadquery::Lane>& lanes, roadquery::LaneType type) {
+      return std::ranges::any_of(lanes, [type](const roadquery::Lane& lane) { return lane.type == type; });
+    };
+    return has(right ? section.right : section.left, roadquery::LaneType::driving) ||
+           has(section.right, roadquery::LaneType::bidirectional) ||
+           has(section.left, roadquery::LaneType::bidirectional);
   });
 }
 
@@ -81,10 +94,10 @@ void RoadGraph::connect(int node) {
     for (const roadquery::Connection& connection : junction->connections) {
       if (connection.incoming_road != from.id) continue;
       const auto& links = connection.lane_links;
-      const int sign = lane_sign(from, forward);
       const bool our_lane =
-          links.empty() || std::any_of(links.begin(), links.end(),
-                                       [&](const roadquery::LaneLink& link) { return link.from * sign > 0; });
+          links.empty() || std::any_of(links.begin(), links.end(), [&](const roadquery::LaneLink& link) {
+            return leaves_by(from, forward, link.from);
+          });
       if (!our_lane) continue;
       add(connection.connecting_road, connection.contact,
           [&](const Road& to) { return attaches(to, connection.contact, from, forward); });

@@ -18,6 +18,17 @@ bool drives_along(const Road& road, int lane) {
   return (lane < 0) != (road.driving_side == roadquery::DrivingSide::left);
 }
 
+/// Whether one lane may go on as the other: the same, or both for vehicles of some kind. A lane for cars that goes on
+/// as one for buses alone is a lane that cars have to leave.
+bool goes_on_as(roadquery::LaneType from, roadquery::LaneType to) {
+  using roadquery::LaneType;
+  const auto is_lane = [](LaneType type) {
+    return roadquery::is_driven(type) || type == LaneType::bus || type == LaneType::taxi || type == LaneType::biking ||
+           type == LaneType::other;
+  };
+  return from == to || (is_lane(from) && is_lane(to));
+}
+
 /// A lane that has narrowed to nothing has merged with the one beside it and is not dead.
 void add_dead_lane(const RoadEnd& end, const roadquery::Lane& lane, NetworkScores& scores) {
   constexpr double merged_m = 0.01;
@@ -40,12 +51,14 @@ void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, N
         continue;
       }
       const roadquery::Lane* other = to ? find_lane(to->section(), *linked) : nullptr;
-      if (!other || other->type != lane.type) {
+      if (!other || !goes_on_as(lane.type, other->type)) {
         ++scores.lane_link_errors;
         continue;
       }
       const bool same_s = (from.contact == ContactPoint::end) != (to->contact == ContactPoint::end);
-      if ((drives_along(*from.road, lane.id) == drives_along(*to->road, *linked)) != same_s) ++scores.lane_link_errors;
+      const bool either_way = lane.type == LaneType::bidirectional || other->type == LaneType::bidirectional;
+      if (!either_way && (drives_along(*from.road, lane.id) == drives_along(*to->road, *linked)) != same_s)
+        ++scores.lane_link_errors;
       if (in_junction || to->road->junction >= 0) continue;
       const std::optional<int>& back = to->contact == ContactPoint::end ? other->successor : other->predecessor;
       if (back != lane.id) ++scores.lane_link_errors;
@@ -71,7 +84,7 @@ void check_roads(const RoadMap& map, const RoadsById& by_id, NetworkScores& scor
     for (const roadquery::LaneSection& section : road.sections)
       for (const auto* side : {&section.left, &section.right})
         for (const roadquery::Lane& lane : *side)
-          if (lane.type == roadquery::LaneType::driving)
+          if (roadquery::is_driven(lane.type))
             scores.min_lane_width_m = std::fmin(scores.min_lane_width_m, widest_m(lane, road.length - section.s));
   }
 }

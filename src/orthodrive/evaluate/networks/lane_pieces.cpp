@@ -26,7 +26,7 @@ class Pieces {
   std::vector<LanePiece> take() { return std::move(pieces_); }
 
  private:
-  using Key = std::tuple<const Road*, std::size_t, int>;  // road, section, lane
+  using Key = std::tuple<const Road*, std::size_t, int, bool>;  // road, section, lane, whether along s
 
   void add(const Road& road) {
     for (std::size_t k = 0; k < road.sections.size(); ++k) {
@@ -35,17 +35,26 @@ class Pieces {
       if (!(end > section.s)) continue;
       for (const auto* side : {&section.left, &section.right})
         for (const Lane& lane : *side) {
-          if (lane.type != roadquery::LaneType::driving) continue;
           const bool forward = (lane.id < 0) != (road.driving_side == roadquery::DrivingSide::left);
-          index_[{&road, k, lane.id}] = pieces_.size();
-          pieces_.push_back({&road, k, &lane, section.s, end, forward, {}});
+          const auto add_piece = [&](bool along) {
+            index_[{&road, k, lane.id, along}] = pieces_.size();
+            pieces_.push_back({&road, k, &lane, section.s, end, along, {}});
+          };
+          if (lane.type == roadquery::LaneType::driving) add_piece(forward);
+          // Of roads without another one: turn lanes between the directions lead nowhere on.
+          if (lane.type == roadquery::LaneType::bidirectional && is_shared(section)) add_piece(true), add_piece(false);
         }
     }
   }
 
+  static bool is_shared(const roadquery::LaneSection& section) {
+    const auto drives = [](const Lane& lane) { return lane.type == roadquery::LaneType::driving; };
+    return std::ranges::none_of(section.left, drives) && std::ranges::none_of(section.right, drives);
+  }
+
   void add_next(LanePiece& piece, const Road& road, std::size_t section, int lane, bool enter_forward) {
-    const auto found = index_.find({&road, section, lane});
-    if (found != index_.end() && pieces_[found->second].forward == enter_forward) piece.next.push_back(found->second);
+    const auto found = index_.find({&road, section, lane, enter_forward});
+    if (found != index_.end()) piece.next.push_back(found->second);
   }
   void enter(LanePiece& piece, int road_id, ContactPoint contact, int lane) {
     const auto index = by_id_.find(road_id);

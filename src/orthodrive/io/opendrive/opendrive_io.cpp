@@ -173,11 +173,12 @@ bool is_unmarked(const Lane& lane) {
 /// zero_width_at_end of ASAM's checker).
 bool leads_on(const Lane& lane, double s_in_section) {
   constexpr double least_width_m = 1e-6;
-  return lane.id == 0 || lane.type == roadquery::LaneType::driving ||
+  return lane.id == 0 || roadquery::is_driven(lane.type) ||
          roadquery::lane_width(lane, s_in_section) > least_width_m;
 }
 
-/// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only, and only of roads outside junctions.
+/// `limit_mps` > 0 stands at lanes without one of their own, too: SUMO reads it there only, and only of roads outside
+/// junctions.
 void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited& from, double section_length_m,
               double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
@@ -207,9 +208,20 @@ void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited&
     if (material.roughness > 0.0)
       set_attribute(m, "roughness", trimmed_text(fmt::format("{:.5f}", material.roughness)));
   }
-  if (limit_mps > 0.0 && lane.id != 0 && lane.type == roadquery::LaneType::driving) {
-    add_speed(node, limit_mps);
-    node.last_child().prepend_attribute("sOffset") = "0";
+  const bool driven = lane.id != 0 && (roadquery::is_driven(lane.type) || lane.type == roadquery::LaneType::bus ||
+                                       lane.type == roadquery::LaneType::taxi);
+  std::vector<roadquery::SpeedLimit> speeds = lane.speeds;
+  if (driven && limit_mps > 0.0 && speeds.empty()) speeds.push_back({0.0, limit_mps});
+  for (const roadquery::SpeedLimit& speed : speeds) {
+    if (!(speed.mps > 0.0) || !std::isfinite(speed.mps)) continue;
+    add_speed(node, speed.mps);
+    node.last_child().prepend_attribute("sOffset") = metres(speed.s).c_str();
+  }
+  for (const std::string& who : lane.allowed) {
+    pugi::xml_node access = node.append_child("access");
+    set_attribute(access, "sOffset", "0");
+    set_attribute(access, "rule", "allow");
+    set_attribute(access, "restriction", who);
   }
   for (const roadquery::LaneHeight& height : lane.heights) {
     pugi::xml_node h = node.append_child("height");

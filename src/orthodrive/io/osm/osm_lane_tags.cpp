@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tags of a road say about its lanes. https://wiki.openstreetmap.org/wiki/Lanes, Key:turn, Key:sidewalk,
-// Key:shoulder, Key:maxspeed.
+// What the tags of a road say about its lanes. https://wiki.openstreetmap.org/wiki/Lanes, Forward_&_backward, Key:turn,
+// Key:sidewalk, Key:shoulder, Key:maxspeed. Which tags are read: tag_rules.
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "orthodrive/io/osm/lane_use.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
 
 namespace orthodrive::io {
@@ -88,43 +89,211 @@ Sides mirrored(Sides sides) {
   return sides == Sides::left ? Sides::right : sides == Sides::right ? Sides::left : sides;
 }
 
-std::size_t lanes_in(const std::string& turn_lanes) {
-  return turn_lanes.empty() ? 0 : static_cast<std::size_t>(std::count(turn_lanes.begin(), turn_lanes.end(), '|')) + 1;
-}
+std::size_t lanes_in(const std::string& list) { return lane_list(list).size(); }
 
-/// One number of lanes a direction, where the tags say two.
-void settle_lanes(WayAttributes& way) {
+/// Of a one-way road: lanes against it are none for cars.
+void settle_one_way(const OsmTags& tags, WayAttributes& way) {
   RoadPath& path = way.path;
-  if (path.oneway == Oneway::forward) {
-    if (path.lanes_backward > 0) {
-      way.doubts.push_back(fmt::format("oneway and lanes:backward={}, took no lane against it", path.lanes_backward));
-      path.lanes_backward = 0;
-    }
+  path.lanes_both_ways = 0;
+  if (path.lanes_backward == 0) {
     if (path.lanes == 0) path.lanes = path.lanes_forward;
     path.lanes_forward = path.lanes;
     return;
   }
-  const int sum = path.lanes_forward + path.lanes_backward;
-  if (path.lanes_forward > 0 && path.lanes_backward > 0) {
-    if (path.lanes > 0 && path.lanes != sum)
-      way.doubts.push_back(
-          fmt::format("lanes={} but lanes:forward + lanes:backward = {}, took the sum", path.lanes, sum));
-    path.lanes = sum;
-  } else if (sum > 0 && path.lanes > sum) {  // one of both is told: the rest is the other one
-    (path.lanes_forward == 0 ? path.lanes_forward : path.lanes_backward) = path.lanes - sum;
-  } else if (sum > 0 && path.lanes > 0) {
+  const int against = path.lanes_backward;
+  if (path.lanes_forward == 0) path.lanes_forward = std::max(1, path.lanes - against);
+  if (path.lanes > 0 && path.lanes != path.lanes_forward + against)
+    way.doubts.push_back(fmt::format("lanes={} but lanes:forward + lanes:backward = {}, took the sum", path.lanes,
+                                     path.lanes_forward + against));
+  path.lanes = path.lanes_forward + against;
+  if (!path.use_backward.empty()) return;
+  const std::string use = counter_use(tags);
+  if (use == "bicycle") {  // no lane of the carriageway's vehicles
+    add_side_lane(path, "bicycle:against");
+    path.lanes -= against, path.lanes_backward = 0;
+    return;
+  }
+  if (use == "none")
     way.doubts.push_back(
-        fmt::format("lanes={} but {} of one direction alone, took one lane for the other", path.lanes, sum));
+        fmt::format("oneway and lanes:backward={} but no tag tells who may use it, took it as closed", against));
+  path.use_backward = joined_lanes(std::vector<std::string>(static_cast<std::size_t>(against), use));
+}
+
+/// One number of lanes a direction, where the tags say two.
+void settle_two_way(WayAttributes& way) {
+  RoadPath& path = way.path;
+  const int both = path.lanes_both_ways, sum = path.lanes_forward + path.lanes_backward;
+  if (path.lanes_forward > 0 && path.lanes_backward > 0) {
+    if (path.lanes > 0 && path.lanes != sum + both)
+      way.doubts.push_back(fmt::format("lanes={} but lanes:forward + lanes:backward{} = {}, took the sum", path.lanes,
+                                       both > 0 ? " + lanes:both_ways" : "", sum + both));
+    path.lanes = sum + both;
+  } else if (sum > 0 && path.lanes > sum + both) {  // one of both is told: the rest is the other one
+    (path.lanes_forward == 0 ? path.lanes_forward : path.lanes_backward) = path.lanes - sum - both;
+  } else if (sum > 0 && (path.lanes > 0 || both > 0)) {
+    if (path.lanes > 0)
+      way.doubts.push_back(
+          fmt::format("lanes={} but {} of one direction alone, took one lane for the other", path.lanes, sum + both));
     (path.lanes_forward == 0 ? path.lanes_forward : path.lanes_backward) = 1;
-    path.lanes = sum + 1;
+    path.lanes = sum + 1 + both;
+  } else if (both > 0 && path.lanes <= both) {  // no number of the others: one each, or lanes for both alone
+    if (path.lanes == 0) path.lanes_forward = path.lanes_backward = 1, path.lanes = 2 + both;
+  } else if (both > 0) {
+    path.lanes_backward = std::max(1, (path.lanes - both) / 2);
+    path.lanes_forward = std::max(1, path.lanes - both - path.lanes_backward);
+    path.lanes = path.lanes_forward + path.lanes_backward + both;
   }
 }
 
-void settle_turns(std::string& turns, int lanes, const char* direction, WayAttributes& way) {
-  if (turns.empty() || lanes == 0 || lanes_in(turns) == static_cast<std::size_t>(lanes)) return;
-  way.doubts.push_back(fmt::format("turn:lanes tells {} lanes {}, but there are {}; its arrows are left out",
-                                   lanes_in(turns), direction, lanes));
-  turns.clear();
+void settle_list(std::string& list, int lanes, const char* key, const char* direction, const char* what,
+                 WayAttributes& way) {
+  if (list.empty() || lanes == 0 || lanes_in(list) == static_cast<std::size_t>(lanes)) return;
+  way.doubts.push_back(
+      fmt::format("{} tells {} lanes {}, but there are {}; {}", key, lanes_in(list), direction, lanes, what));
+  list.clear();
+}
+
+/// Cycle lanes of lists: `lanes` does not count them. At the edge of a direction's lanes they are lanes at the side.
+void take_out_cycle_lanes(WayAttributes& way, bool forward, std::vector<std::string>& uses) {
+  RoadPath& path = way.path;
+  std::vector<std::string> turns = lane_list(forward ? path.turn_forward : path.turn_backward),
+                           speeds = lane_list(forward ? path.speeds_forward : path.speeds_backward);
+  const std::size_t count = uses.size();
+  const bool alone = std::ranges::all_of(uses, [](const std::string& use) { return use == "bicycle"; });
+  for (std::size_t i = count; i-- > 0;) {
+    if (uses[i] != "bicycle") continue;
+    const bool first = i == 0, last = i + 1 == count;
+    if (alone)
+      add_side_lane(path, forward ? "bicycle:along" : "bicycle:against");
+    else if (first || last)
+      add_side_lane(path, last == forward ? "bicycle:right" : "bicycle:left");
+    else
+      way.doubts.push_back("a cycle lane between two lanes is not built, they lie side by side");
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    if (turns.size() == uses.size()) turns.erase(turns.begin() + at);
+    if (speeds.size() == uses.size() && speeds.size() > 1) speeds.erase(speeds.begin() + at);
+    uses.erase(uses.begin() + at);
+  }
+  (forward ? path.turn_forward : path.turn_backward) = joined_lanes(turns);
+  (forward ? path.speeds_forward : path.speeds_backward) = joined_lanes(speeds);
+  int& lanes = forward ? path.lanes_forward : path.lanes_backward;
+  if (alone && count > 0 && lanes > 0 && static_cast<std::size_t>(lanes) == count) {  // counted all the same
+    if (path.lanes > lanes) path.lanes -= lanes;
+    lanes = 0;
+  }
+}
+
+/// Who may use the lanes of each direction; numbers of lanes that only lists tell.
+void read_uses(const OsmTags& tags, WayAttributes& way) {
+  RoadPath& path = way.path;
+  path.use = road_use(tags, path.highway);
+  for (const bool forward : {true, false}) {
+    std::vector<std::string> uses = lane_uses(tags, way, forward);
+    if (uses.empty()) continue;
+    take_out_cycle_lanes(way, forward, uses);
+    const bool all_for_cars = std::ranges::all_of(uses, [](const std::string& use) { return use.empty(); });
+    int& lanes = forward ? path.lanes_forward : path.lanes_backward;
+    if (lanes == 0 && !all_for_cars) lanes = static_cast<int>(uses.size());
+    if (!all_for_cars) (forward ? path.use_forward : path.use_backward) = joined_lanes(uses);
+  }
+  if (path.oneway == Oneway::forward && path.lanes == 0) path.lanes = path.lanes_forward + path.lanes_backward;
+}
+
+/// A list of one lane is no text: "" would be no list.
+void settle_lists(WayAttributes& way) {
+  RoadPath& path = way.path;
+  constexpr const char* no_arrows = "its arrows are left out";
+  settle_list(path.turn_forward, path.lanes_forward, "turn:lanes", "forward", no_arrows, way);
+  settle_list(path.turn_backward, path.lanes_backward, "turn:lanes", "backward", no_arrows, way);
+  constexpr const char* all_alike = "it is left out";
+  settle_list(path.use_forward, path.lanes_forward, "access of lanes", "forward", all_alike, way);
+  settle_list(path.use_backward, path.lanes_backward, "access of lanes", "backward", all_alike, way);
+  if (lanes_in(path.speeds_forward) > 1)
+    settle_list(path.speeds_forward, path.lanes_forward, "maxspeed:lanes", "forward", all_alike, way);
+  if (lanes_in(path.speeds_backward) > 1)
+    settle_list(path.speeds_backward, path.lanes_backward, "maxspeed:lanes", "backward", all_alike, way);
+}
+
+void read_lanes(const OsmTags& tags, WayAttributes& way) {
+  RoadPath& path = way.path;
+  if (path.lanes > max_lanes) {
+    way.doubts.push_back(fmt::format("lanes={} cannot be, left out", path.lanes));
+    path.lanes = 0;
+  }
+  path.lanes_forward = lane_count(tags, way.reversed ? "lanes:backward" : "lanes:forward", way);
+  path.lanes_backward = lane_count(tags, way.reversed ? "lanes:forward" : "lanes:backward", way);
+  path.lanes_both_ways = lane_count(tags, "lanes:both_ways", way);
+  const std::string centre = value_of(tags, "centre_turn_lane"), oneway = value_of(tags, "oneway");
+  if (path.lanes_both_ways == 0 && (centre == "yes" || !value_of(tags, "turn:lanes:both_ways").empty()))
+    path.lanes_both_ways = 1;
+  if (oneway == "reversible" || oneway == "alternating") path.lanes_both_ways = path.lanes = std::max(1, path.lanes);
+  path.turn_forward = lane_value(tags, way, "turn:lanes", true);
+  path.turn_backward = lane_value(tags, way, "turn:lanes", false);
+}
+
+/// turn=* without lanes holds for all of them.
+void spread_turns(const OsmTags& tags, WayAttributes& way, bool forward) {
+  const int lanes = forward ? way.path.lanes_forward : way.path.lanes_backward;
+  std::string& turns = forward ? way.path.turn_forward : way.path.turn_backward;
+  const std::string turn = lane_value(tags, way, "turn", forward);
+  if (!turns.empty() || turn.empty() || lanes == 0) return;
+  turns = joined_lanes(std::vector<std::string>(static_cast<std::size_t>(lanes), turn));
+}
+
+/// The limit that maxspeed, maxspeed:type or source:maxspeed tells with such an ending; 0: none.
+double speed_of(const OsmTags& tags, const std::string& ending, WayAttributes& way) {
+  for (const char* key : {"maxspeed", "maxspeed:type", "source:maxspeed"}) {
+    const std::string text = value_of(tags, (key + ending).c_str());
+    if (const double kmh = parse_speed_kmh(text); kmh > 0.0) return kmh;
+    const bool says_no_speed = text == "signals" || text == "variable" || text == "sign";
+    if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed"))
+      way.doubts.push_back(fmt::format("maxspeed{}={} is no speed, took {:.0f} km/h", ending, text,
+                                       default_speed_limit_kmh(way.path.highway)));
+  }
+  return 0.0;
+}
+
+/// Limits of a direction: lane by lane where maxspeed:lanes tells, else one of all its lanes; empty: the road's.
+std::string direction_speeds(const OsmTags& tags, WayAttributes& way, bool forward) {
+  std::vector<std::string> speeds;
+  for (const std::string& text : lane_list(lane_value(tags, way, "maxspeed:lanes", forward))) {
+    const double kmh = parse_speed_kmh(text);
+    if (!text.empty() && text != "variable" && text != "signals" && kmh == 0.0)
+      way.doubts.push_back(fmt::format("maxspeed:lanes: {} is no speed, left out", text));
+    speeds.push_back(kmh > 0.0 ? fmt::format("{:g}", kmh) : "");
+  }
+  if (!speeds.empty()) return joined_lanes(speeds);
+  const double kmh = speed_of(tags, forward != way.reversed ? ":forward" : ":backward", way);
+  return kmh > 0.0 ? fmt::format("{:g}", kmh) : "";
+}
+
+void read_speeds(const OsmTags& tags, WayAttributes& way) {
+  RoadPath& path = way.path;
+  path.speed_limit_kmh = speed_of(tags, "", way);
+  if (path.speed_limit_kmh == 0.0) path.speed_limit_kmh = speed_of(tags, ":both", way);
+  path.speeds_forward = direction_speeds(tags, way, true);
+  path.speeds_backward = direction_speeds(tags, way, false);
+  if (path.speed_limit_kmh > 0.0) return;
+  for (const std::string* list : {&path.speeds_forward, &path.speeds_backward})
+    for (const std::string& text : lane_list(*list))
+      path.speed_limit_kmh = std::max(path.speed_limit_kmh, parse_speed_kmh(text));
+}
+
+/// surface with the sides and directions that it may have. Roads are of one material: where both differ, the first.
+std::string surface_value(const OsmTags& tags, WayAttributes& way) {
+  std::string found;
+  for (const char* key : {"surface", "surface:both", "surface:forward", "surface:backward", "surface:right",
+                          "surface:left", "surface:lanes", "surface:lanes:forward", "surface:lanes:backward"}) {
+    const std::string text = value_of(tags, key);
+    for (const std::string& value : lane_list(text)) {
+      if (found.empty()) found = value;
+      if (value == found || value.empty()) continue;
+      way.doubts.push_back(fmt::format("{}={} but {} for all of the road, took that", key, text, found));
+      return found;
+    }
+    if (!found.empty() && key == std::string_view("surface")) break;
+  }
+  return found;
 }
 }  // namespace
 
@@ -147,46 +316,28 @@ double parse_speed_kmh(const std::string& text) {
 
 void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
   RoadPath& path = way.path;
-  if (path.lanes > max_lanes) {
-    way.doubts.push_back(fmt::format("lanes={} cannot be, left out", path.lanes));
-    path.lanes = 0;
-  }
-  path.lanes_forward = lane_count(tags, "lanes:forward", way);
-  path.lanes_backward = lane_count(tags, "lanes:backward", way);
-  path.turn_forward = value_of(tags, "turn:lanes:forward");
-  path.turn_backward = value_of(tags, "turn:lanes:backward");
+  read_lanes(tags, way);
   path.sidewalk = sides_of(tags, "sidewalk");
   path.shoulder = sides_of(tags, "shoulder");
-  path.surface = value_of(tags, "surface");
+  path.surface = surface_value(tags, way);
   path.known_surface = surface_of_tags(path.highway, path.surface, value_of(tags, "tracktype"));
   if (!path.surface.empty() && path.known_surface.source != SurfaceSource::tag)
     way.doubts.push_back(fmt::format("surface={} is not known, took {}", path.surface,
                                      roadquery::to_string(path.known_surface.surface)));
-  if (way.reversed) {
-    std::swap(path.lanes_forward, path.lanes_backward);
-    std::swap(path.turn_forward, path.turn_backward);
-    path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
-  }
-  if (path.oneway == Oneway::forward && path.turn_forward.empty()) path.turn_forward = value_of(tags, "turn:lanes");
-  if (path.oneway == Oneway::forward) path.turn_backward.clear();
-
-  settle_lanes(way);
+  if (way.reversed) path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
+  read_speeds(tags, way);
+  read_uses(tags, way);
+  read_side_lanes(tags, way);
+  path.oneway == Oneway::forward ? settle_one_way(tags, way) : settle_two_way(way);
   if (path.lanes == 0 && path.oneway == Oneway::forward)
     path.lanes = path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
-  if (path.lanes_forward == 0) path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
+  if (path.lanes_forward == 0 && shared_lanes(path) == 0)
+    path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
+  if (path.oneway == Oneway::forward && path.lanes_backward == 0) path.turn_backward.clear();
   if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
-  settle_turns(path.turn_forward, path.lanes_forward, "forward", way);
-  settle_turns(path.turn_backward, path.lanes_backward, "backward", way);
-
-  for (const char* key : {"maxspeed", "maxspeed:type", "source:maxspeed"}) {
-    const std::string text = value_of(tags, key);
-    path.speed_limit_kmh = parse_speed_kmh(text);
-    if (path.speed_limit_kmh > 0.0) break;
-    const bool says_no_speed = text == "signals" || text == "variable" || text == "sign";
-    if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed"))
-      way.doubts.push_back(
-          fmt::format("maxspeed={} is no speed, took {:.0f} km/h", text, default_speed_limit_kmh(path.highway)));
-  }
+  settle_lists(way);
+  spread_turns(tags, way, true), spread_turns(tags, way, false);
+  read_placement(tags, way);
 }
 
 }  // namespace orthodrive::io

@@ -2,9 +2,12 @@
 // Roads of an OSM file. Two passes: first the drivable ways, then the places of their nodes, so that an extract of a
 // country needs memory for its roads only.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <osmium/osm/node.hpp>
 #include <osmium/osm/relation.hpp>
 #include <osmium/osm/way.hpp>
@@ -12,6 +15,8 @@
 #include <string_view>
 
 #include "orthodrive/io/osm/osm_tags.hpp"
+#include "orthodrive/io/osm/tag_rules.hpp"
+#include "orthodrive/io/osm/turning_places.hpp"
 #include "orthodrive/io/support/clip_line.hpp"
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/io/support/osm_support.hpp"
@@ -84,8 +89,7 @@ class NodePlaces {
       for (const osmium::Node& node : buffer.select<osmium::Node>()) {
         const auto it = std::lower_bound(ids_.begin(), ids_.end(), node.id());
         if (it == ids_.end() || *it != node.id() || !node.location().valid()) continue;
-        if (!node.tags().empty())
-          std::ranges::move(node_signs(node.id(), tags_of(node.tags())), std::back_inserter(signs_));
+        if (!node.tags().empty()) read_tags(node.id(), tags_of(node.tags()));
         lonlat_[static_cast<std::size_t>(it - ids_.begin())] = {node.location().lon(), node.location().lat()};
       }
     });
@@ -104,6 +108,9 @@ class NodePlaces {
     std::ranges::stable_sort(result, {}, [](const NodeSign& sign) { return std::pair(sign.osm_node, sign.kind); });
     return result;
   }
+  [[nodiscard]] const std::vector<TurningPlace>& turning_places() const { return turning_places_; }
+  /// Tags of the nodes that are not read.
+  [[nodiscard]] const std::vector<std::pair<std::int64_t, UnreadTag>>& unread() const { return unread_; }
   [[nodiscard]] Box2 bounds() const {
     Ring known;
     for (const Vec2 p : lonlat_)
@@ -112,10 +119,53 @@ class NodePlaces {
   }
 
  private:
+  void read_tags(std::int64_t id, const OsmTags& tags) {
+    std::ranges::move(node_signs(id, tags), std::back_inserter(signs_));
+    if (const auto place = turning_place(id, tags)) turning_places_.push_back(*place);
+    for (UnreadTag& tag : unread_tags(tags, TaggedObject::node)) unread_.emplace_back(id, std::move(tag));
+  }
+
   std::vector<std::int64_t> ids_;
   std::vector<Vec2> lonlat_;
   std::vector<NodeSign> signs_;
+  std::vector<TurningPlace> turning_places_;
+  std::vector<std::pair<std::int64_t, UnreadTag>> unread_;
 };
+
+/// How often tags are met that are not read, and where first.
+class UnreadTags {
+ public:
+  void add(const std::string& tag, std::string_view reason, Vec2 where) {
+    Entry& entry = entries_.try_emplace(tag, Entry{std::string(reason), where, 0}).first->second;
+    ++entry.count;
+  }
+  void report(Findings& findings) const {
+    for (const auto& [tag, entry] : entries_)
+      findings.push_back(
+          {Severity::info, "osm.tag_not_read",
+           fmt::format("{} ({}): {}", tag, entry.count == 1 ? "once" : fmt::format("{} times, first here", entry.count),
+                       entry.reason),
+           entry.where.x, entry.where.y});
+  }
+
+ private:
+  struct Entry {
+    std::string reason;
+    Vec2 where;
+    int count = 0;
+  };
+  std::map<std::string, Entry> entries_;
+};
+
+/// Those of nodes that are on the roads, each once.
+void add_unread_of_nodes(const NodePlaces& places, const RoadNetwork& roads, UnreadTags& unread) {
+  std::map<std::int64_t, Vec2> place_of;
+  for (const RoadPath& path : roads.paths)
+    for (const RoadNode& node : path.nodes)
+      if (node.osm_node != 0) place_of.emplace(node.osm_node, node.p);
+  for (const auto& [id, tag] : places.unread())
+    if (const auto at = place_of.find(id); at != place_of.end()) unread.add(tag.tag, tag.reason, at->second);
+}
 
 /// Nodes in a row that have a place; a node that the file lacks (extracts cut ways) splits the way.
 struct NodeRun {
@@ -186,6 +236,7 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
     const CoordinateTransform site_from_lonlat(Crs{"EPSG:4326"}, site.crs);
     const Box2 area_lonlat = lonlat_bounds(site.area.outer, site.crs);
     RoadNetwork roads{.crs = site.crs};
+    UnreadTags unread;
     for (const DrivableWay& way : ways) {
       int part = 0;
       const auto report = [&](const char* code, const std::string& what, Vec2 where) {
@@ -202,12 +253,18 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
                    road.nodes[road.nodes.size() / 2].p);
           for (const std::string& what : part == 0 ? way.attributes.doubts : std::vector<std::string>{})
             report("osm.lane_tags", what, road.nodes[road.nodes.size() / 2].p);
+          if (part == 0)
+            for (const auto& [tag, reason] : way.attributes.unread)
+              unread.add(tag, reason, road.nodes[road.nodes.size() / 2].p);
           roads.paths.push_back(std::move(road));
           ++part;
         }
     }
     roads.restrictions = read_restrictions(path);
     roads.signs = places.signs(ways);
+    add_unread_of_nodes(places, roads, unread);
+    if (findings) unread.report(*findings);
+    widen_at(places.turning_places(), site.area, roads);
     if (ways.empty())
       throw InputError(path.string(),
                        "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");

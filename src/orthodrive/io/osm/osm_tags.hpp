@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "orthodrive/model/roads/road_network.hpp"
@@ -27,6 +28,7 @@ struct WayAttributes {
   std::vector<std::string> odd;  ///< tags that say no number, as "width=wide"; they count as absent
   std::vector<std::string>
       doubts;  ///< tags of lanes and speed that contradict each other or cannot be read: what was assumed
+  std::vector<std::pair<std::string, std::string>> unread;  ///< tags that tag_rules() lists as not read, and why
 };
 [[nodiscard]] WayAttributes way_attributes(const OsmTags& tags);
 

@@ -21,7 +21,9 @@ namespace orthodrive::io {
 /// -1 for tunnel. Throws InputError for a missing or truncated file and when no road lies in the area (says where the
 /// file's roads lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
 /// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
-/// lanes and speed that contradict each other or cannot be read, with what was taken). Turn restrictions come along.
+/// lanes and speed that contradict each other or cannot be read, with what was taken), "osm.tag_not_read" (for each tag
+/// and value that the table of tag_rules lists as not read). Turn restrictions come along. Turning circles and passing
+/// places widen their roads.
 [[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site,
                                          Findings* findings = nullptr);
 

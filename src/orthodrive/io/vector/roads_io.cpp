@@ -34,6 +34,13 @@ constexpr Field lane_fields[] = {{"lanes_forward", OFTInteger}, {"lanes_backward
                                  {"turn_forward", OFTString},   {"turn_backward", OFTString},
                                  {"speed_limit_kmh", OFTReal},  {"sidewalk", OFTInteger},
                                  {"shoulder", OFTInteger},      {"surface", OFTString}};
+// Nor these.
+constexpr Field use_fields[] = {{"lanes_both_ways", OFTInteger},     {"use_forward", OFTString},
+                                {"use_backward", OFTString},         {"use", OFTString},
+                                {"side_lanes", OFTString},           {"speeds_forward", OFTString},
+                                {"speeds_backward", OFTString},      {"placement_start", OFTReal},
+                                {"placement_end", OFTReal},          {"placement_backward", OFTInteger},
+                                {"placement_transition", OFTInteger}};
 // Not in files of older versions either: then the tags that are in them tell.
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
@@ -97,6 +104,7 @@ class RoadsWriter {
         errors_(errors) {
     for (const Field& field : later_node_fields) create_field(nodes_, field.name, field.type);
     for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
+    for (const Field& field : use_fields) create_field(centrelines_, field.name, field.type);
     for (const Field& field : class_fields) create_field(centrelines_, field.name, field.type);
   }
 
@@ -130,8 +138,23 @@ class RoadsWriter {
     row.SetField("surface", path.surface.c_str());
     row.SetField("surface_class", roadquery::to_string(path.known_surface.surface));
     row.SetField("surface_source", to_string(path.known_surface.source));
+    set_uses(row, path);
     row.SetGeometryDirectly(to_ogr(centerline(path)).release());
     add_feature(centrelines_, row, file_, errors_);
+  }
+  static void set_uses(OGRFeature& row, const RoadPath& path) {
+    row.SetField("lanes_both_ways", path.lanes_both_ways);
+    row.SetField("use_forward", path.use_forward.c_str());
+    row.SetField("use_backward", path.use_backward.c_str());
+    row.SetField("use", path.use.c_str());
+    row.SetField("side_lanes", path.side_lanes.c_str());
+    row.SetField("speeds_forward", path.speeds_forward.c_str());
+    row.SetField("speeds_backward", path.speeds_backward.c_str());
+    const Placement& placement = path.placement;
+    if (placement.start >= 0.0) row.SetField("placement_start", placement.start);
+    if (placement.end >= 0.0) row.SetField("placement_end", placement.end);
+    row.SetField("placement_backward", placement.backward ? 1 : 0);
+    row.SetField("placement_transition", placement.transition ? 1 : 0);
   }
   void add_node(const RoadPath& path, const RoadNode& node) {
     OGRFeature row(nodes_.GetLayerDefn());
@@ -310,6 +333,24 @@ void read_lane_fields(const OGRFeature& row, RoadPath& path) {
   path.surface = row.GetFieldAsString("surface");
 }
 
+void read_use_fields(const OGRFeature& row, RoadPath& path) {
+  for (const Field& field : use_fields)
+    if (row.GetFieldIndex(field.name) < 0) return;
+  path.lanes_both_ways = row.GetFieldAsInteger("lanes_both_ways");
+  path.use_forward = row.GetFieldAsString("use_forward");
+  path.use_backward = row.GetFieldAsString("use_backward");
+  path.use = row.GetFieldAsString("use");
+  path.side_lanes = row.GetFieldAsString("side_lanes");
+  path.speeds_forward = row.GetFieldAsString("speeds_forward");
+  path.speeds_backward = row.GetFieldAsString("speeds_backward");
+  const auto place = [&](const char* name) {
+    const int field = row.GetFieldIndex(name);
+    return row.IsFieldSetAndNotNull(field) ? row.GetFieldAsDouble(field) : -1.0;
+  };
+  path.placement = {row.GetFieldAsInteger("placement_backward") != 0, place("placement_start"), place("placement_end"),
+                    row.GetFieldAsInteger("placement_transition") != 0};
+}
+
 /// Of an older file, and where somebody wrote no class: what the tags say.
 KnownSurface known_surface_of(const OGRFeature& row, const RoadPath& path) {
   if (row.GetFieldIndex(class_fields[0].name) < 0 || row.GetFieldIndex(class_fields[1].name) < 0)
@@ -331,6 +372,7 @@ RoadPath path_of(const OGRFeature& row) {
   path.lanes = row.GetFieldAsInteger("lanes");
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
   read_lane_fields(row, path);
+  read_use_fields(row, path);
   path.known_surface = known_surface_of(row, path);
   return path;
 }

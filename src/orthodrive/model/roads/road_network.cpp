@@ -29,7 +29,7 @@ constexpr std::array classes{
     HighwayClass{"raceway", 4, 8.0, 1, 1, 0.0, 0.0},        HighwayClass{"unclassified", 3, 2.75, 2, 1, 0.5, 50.0},
     HighwayClass{"residential", 3, 2.75, 2, 1, 0.0, 50.0},  HighwayClass{"road", 3, 2.75, 2, 1, 0.0, 50.0},
     HighwayClass{"living_street", 2, 2.5, 2, 1, 0.0, 20.0}, HighwayClass{"service", 1, 2.0, 2, 1, 0.0, 30.0},
-    HighwayClass{"track", 0, 3.0, 1, 1, 0.0, 30.0}};
+    HighwayClass{"track", 0, 3.0, 1, 1, 0.0, 30.0},         HighwayClass{"busway", 4, 3.25, 2, 1, 0.5, 50.0}};
 
 const HighwayClass* find_class(const std::string& highway) {
   const auto it =
@@ -44,6 +44,28 @@ double default_width_m(const std::string& highway, int lanes, Oneway oneway) {
   // A narrow one-way lane still gets 3.5 m: parked cars and kerbs need it.
   const int count = lanes > 0 ? lanes : (oneway == Oneway::no ? c->lanes_two_way : c->lanes_one_way);
   return std::max(3.0, count * c->lane_m + c->edge_m) + (count == 1 && c->lane_m < 3.5 ? 0.5 : 0.0);
+}
+
+std::vector<std::string_view> side_lanes_of(const RoadPath& path) {
+  std::vector<std::string_view> words;
+  const std::string_view text = path.side_lanes;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    if (end > begin) words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+double cycle_lanes_m(const RoadPath& path) {
+  constexpr double cycle_lane_m = 1.5;  // RASt 06: 1.85 m with its line, 1.5 m for lanes that cars may cross
+  return cycle_lane_m * static_cast<double>(std::ranges::count_if(
+                            side_lanes_of(path), [](std::string_view word) { return word.starts_with("bicycle:"); }));
+}
+
+int shared_lanes(const RoadPath& path) {
+  if (path.oneway != Oneway::no || path.lanes_forward > 0 || path.lanes_backward > 0) return 0;
+  return path.lanes == 1 ? 1 : path.lanes_both_ways == path.lanes ? path.lanes : 0;
 }
 
 namespace {
@@ -128,6 +150,20 @@ void turn_round(RoadPath& path) {
   const auto mirrored = [](Sides s) { return s == Sides::left ? Sides::right : s == Sides::right ? Sides::left : s; };
   path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
   std::swap(path.turn_forward, path.turn_backward);
+  std::swap(path.use_forward, path.use_backward);
+  std::swap(path.speeds_forward, path.speeds_backward);
+  if (path.oneway == Oneway::no) std::swap(path.lanes_forward, path.lanes_backward);
+  std::swap(path.placement.start, path.placement.end);
+  path.placement.backward = !path.placement.backward;
+  std::string turned;
+  for (const std::string_view word : side_lanes_of(path)) {
+    const auto colon = word.find(':');
+    const std::string_view side = word.substr(std::min(colon, word.size() - 1) + 1);
+    turned += turned.empty() ? "" : " ";
+    turned += word.substr(0, colon + 1);
+    turned += side == "left" ? "right" : side == "right" ? "left" : side == "along" ? "against" : "along";
+  }
+  path.side_lanes = turned;
 }
 
 }  // namespace orthodrive

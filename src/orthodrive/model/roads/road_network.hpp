@@ -61,6 +61,15 @@ enum class Sides : std::int8_t { none = 0, left = 1, right = 2, both = 3 };
   return (static_cast<int>(sides) & static_cast<int>(one)) != 0;
 }
 
+/// Where the line of the map lies among the lanes of one direction: how many of them lie to its left, as their drivers
+/// see them. OSM's placement: left_of:1 is 0, middle_of:1 is 0.5, right_of:1 is 1.
+struct Placement {
+  bool backward = false;            ///< the lanes that run against the path are counted
+  double start = -1.0, end = -1.0;  ///< at both ends of the path; -1: not told
+  bool transition = false;          ///< from where it lies on the road before to where it lies on the next one
+  [[nodiscard]] bool is_told() const { return start >= 0.0 || end >= 0.0; }
+};
+
 struct RoadPath {
   std::int64_t osm_id = 0;
   int part = 0;  ///< pieces of one way inside the area are counted from 0
@@ -71,10 +80,23 @@ struct RoadPath {
   int lanes = 0;  ///< 0: not tagged
   WidthSource width_source = WidthSource::highway;
   bool roundabout = false;
-  int lanes_forward = 0, lanes_backward = 0;  ///< of each direction; 0: not tagged
+  /// Of each direction; 0: not tagged. Lanes against a one-way road are none for cars.
+  int lanes_forward = 0, lanes_backward = 0;
+  int lanes_both_ways = 0;  ///< between the directions, for both of them: turn lanes, reversible lanes
   /// OSM's turn:lanes of each direction, "left|through;right": lanes from left to right as their drivers see them.
   std::string turn_forward, turn_backward;
+  /// Who may use each lane of a direction, in the same order: "||bus". Words: psv, bus, taxi, bicycle, none; nothing
+  /// where cars may. Empty: cars may use all of them.
+  std::string use_forward, use_backward;
+  /// The same word for the whole road; empty: cars may drive there.
+  std::string use;
+  /// Lanes of one kind of vehicle at the road's sides, "bus:right bicycle:along": bus lanes are the outermost of the
+  /// lanes, cycle lanes (bicycle) lie beside them. Sides: left, right, along (of who drives with the path), against.
+  std::string side_lanes;
+  Placement placement;           ///< where no photo has shown where the carriageway lies
   double speed_limit_kmh = 0.0;  ///< 0: not tagged
+  /// Limits in km/h of the lanes of each direction, "70" or lane by lane "100|80"; empty: speed_limit_kmh.
+  std::string speeds_forward, speeds_backward;
   Sides sidewalk = Sides::none, shoulder = Sides::none;
   std::string surface;          ///< as OSM has it; empty: not tagged
   KnownSurface known_surface;   ///< its class, and where that comes from
@@ -115,11 +137,18 @@ struct RoadNetwork {
 
 /// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.
 [[nodiscard]] double default_width_m(const std::string& highway, int lanes, Oneway oneway);
+/// Cycle lanes that side_lanes names, as wide as they are usually painted, m.
+[[nodiscard]] double cycle_lanes_m(const RoadPath& path);
+/// The words of side_lanes.
+[[nodiscard]] std::vector<std::string_view> side_lanes_of(const RoadPath& path);
+/// Lanes of a road that has only such for both directions: of a single-track road (lanes=1 without oneway, where cars
+/// meet at passing places) one, of a reversible road all; 0 of other roads.
+[[nodiscard]] int shared_lanes(const RoadPath& path);
 /// 0 = least important (service) upwards; which road wins at a junction. Unknown values rank as service.
 [[nodiscard]] int road_rank(const std::string& highway);
 /// Speed limit in km/h that holds where none is tagged: what is usual in towns for the class. 0: none (raceways).
 [[nodiscard]] double default_speed_limit_kmh(const std::string& highway);
-/// motorway ... service, track, raceway; not footway, cycleway, path, steps, pedestrian.
+/// motorway ... service, track, raceway, busway; not footway, cycleway, path, steps, pedestrian.
 [[nodiscard]] bool is_drivable(const std::string& highway);
 
 /// The same road, its nodes in the other order: what is told of sides and directions changes sides.

@@ -60,7 +60,7 @@ class Divider {
       : path_(path),
         lanes_(layout.total()),
         width_m_(width_m),
-        one_way_(layout.left == 0 || layout.right == 0),
+        one_way_(!layout.is_shared() && path.oneway == Oneway::forward),
         outer_(driving_side == DrivingSide::left ? Sides::left : Sides::right) {}
 
   [[nodiscard]] Sidestrips strips() const {
@@ -122,16 +122,45 @@ class Divider {
 
 LaneRest at_joint(const LaneRest& own, const LaneRest& other) { return {own.type, std::min(own.share, other.share)}; }
 
+/// The width of each cycle lane; 0: none.
+double cycle_width_m(const LaneLayout& layout, double width_m, int lanes) {
+  constexpr double usual_m = 1.5, least_m = 0.75, least_lane_m = 2.2;
+  if (lanes == 0) return 0.0;
+  const double each_m = std::min(usual_m, (width_m - layout.total() * least_lane_m) / lanes);
+  return each_m < least_m ? 0.0 : each_m;
+}
+
 }  // namespace
 
+Sides sides_with(const RoadPath& path, std::string_view kind, DrivingSide driving_side) {
+  const bool right_hand = driving_side == DrivingSide::right;
+  int sides = 0;
+  for (const std::string_view word : side_lanes_of(path)) {
+    if (word.size() <= kind.size() || !word.starts_with(kind) || word[kind.size()] != ':') continue;
+    const std::string_view side = word.substr(kind.size() + 1);
+    const bool right = side == "right" || (side == "along" && right_hand) || (side == "against" && !right_hand);
+    sides |= static_cast<int>(right ? Sides::right : Sides::left);
+  }
+  return static_cast<Sides>(sides);
+}
+
 LaneRests lane_rests(const RoadPath& path, const LaneLayout& layout, double median_width_m, DrivingSide driving_side) {
-  const Sidestrips strips = Divider(path, layout, median_width_m, driving_side).strips();
-  return {{strips.left, strips.left_m / median_width_m}, {strips.right, strips.right_m / median_width_m}};
+  const Sides cycles = sides_with(path, "bicycle", driving_side);
+  const bool on_left = has_side(cycles, Sides::left), on_right = has_side(cycles, Sides::right);
+  const double cycle_m = cycle_width_m(layout, median_width_m, (on_left ? 1 : 0) + (on_right ? 1 : 0));
+  const double left_m = on_left ? cycle_m : 0.0, right_m = on_right ? cycle_m : 0.0;
+  const Sidestrips strips = Divider(path, layout, median_width_m - left_m - right_m, driving_side).strips();
+  return {{strips.left, strips.left_m / median_width_m},
+          {strips.right, strips.right_m / median_width_m},
+          {LaneType::biking, left_m / median_width_m},
+          {LaneType::biking, right_m / median_width_m}};
 }
 
 LaneRests rests_at_joint(const LaneRests& own, const LaneRests& other, bool same_direction) {
   return {at_joint(own.left, same_direction ? other.left : other.right),
-          at_joint(own.right, same_direction ? other.right : other.left)};
+          at_joint(own.right, same_direction ? other.right : other.left),
+          at_joint(own.left_cycles, same_direction ? other.left_cycles : other.right_cycles),
+          at_joint(own.right_cycles, same_direction ? other.right_cycles : other.left_cycles)};
 }
 
 }  // namespace orthodrive::network

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
+#include <utility>
 
 namespace orthodrive::network {
 namespace {
@@ -126,7 +128,8 @@ Markings markings_of(const std::string& highway, const LaneLayout& layout, doubl
   Markings marks;
   const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
   const bool is_race = highway == "raceway";
-  marks.edges = is_race || (is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0));
+  const bool both_ways = layout.is_shared() || (layout.left > 0 && layout.right > 0);
+  marks.edges = is_race || (is_major && width_m >= (both_ways ? centre_line_from_m : 0.0));
   marks.lanes = !is_race && (is_major || layout.left > 2 || layout.right > 2);
   marks.centre = is_major && width_m >= centre_line_from_m;
   if (is_fast) marks.line_m = 0.15, marks.edge_m = 0.30;
@@ -137,7 +140,7 @@ Markings markings_of(const std::string& highway, const LaneLayout& layout, doubl
 RoadMark no_mark() { return {0.0, "none", 0.0}; }
 
 RoadMark centre_mark(const Markings& marks, const LaneLayout& layout) {
-  if (layout.left == 0 || layout.right == 0)  // the inner edge of a one-way road
+  if (layout.left == 0 || layout.right == 0)  // the inner edge of a one-way road, or of a lane for both directions
     return marks.edges ? RoadMark{0.0, "solid", marks.edge_m} : no_mark();
   if (!marks.centre) return no_mark();
   return {0.0, layout.left > 1 && layout.right > 1 ? "solid" : "broken", marks.line_m};
@@ -149,23 +152,35 @@ RoadMark centre_mark(const Markings& marks, const LaneLayout& layout) {
 struct Division {
   RoadEndLanes open;
   LaneRests rests;
+  std::optional<double> shift;  ///< of the centre lane; not set: all is centred
+  bool both_on_left = false;    ///< on which side of the centre lane the lanes for both directions lie
 
   /// Of every open lane.
-  [[nodiscard]] double lane_share() const { return (1.0 - rests.share()) / (open.left.count + open.right.count); }
+  [[nodiscard]] double lane_share() const { return (1.0 - rests.share()) / open.count(); }
   [[nodiscard]] double share_of(int lane, bool left) const {
     const OpenLanes& lanes = left ? open.left : open.right;
     return lane >= lanes.first && lane < lanes.first + lanes.count ? lane_share() : 0.0;
   }
+  [[nodiscard]] double both_share_of(int lane) const { return lane < open.both_ways ? lane_share() : 0.0; }
   [[nodiscard]] double rest_share(bool left) const { return left ? rests.left.share : rests.right.share; }
-  /// Of all to the left of the centre lane.
-  [[nodiscard]] double left_share() const { return rests.left.share + open.left.count * lane_share(); }
+  [[nodiscard]] double cycle_share(bool left) const {
+    return left ? rests.left_cycles.share : rests.right_cycles.share;
+  }
+  /// How far the centre lane lies left of the reference line: the left edge lies at half the width, and all that lies
+  /// left of the centre lane between them.
+  [[nodiscard]] double centre_share() const {
+    const int lanes = open.left.count + (both_on_left ? open.both_ways : 0);
+    return shift.value_or(0.5 - (rests.left_share() + lanes * lane_share()));
+  }
 };
-
-RoadEndLanes all_open(const LaneLayout& layout) { return {{0, layout.left}, {0, layout.right}}; }
 
 bool tapers(const Division& end, const Division& middle) {
   return end.open.left.count != middle.open.left.count || end.open.right.count != middle.open.right.count ||
-         end.rests.left.share != middle.rests.left.share || end.rests.right.share != middle.rests.right.share;
+         end.open.both_ways != middle.open.both_ways || end.rests.left.share != middle.rests.left.share ||
+         end.rests.right.share != middle.rests.right.share ||
+         end.rests.left_cycles.share != middle.rests.left_cycles.share ||
+         end.rests.right_cycles.share != middle.rests.right_cycles.share ||
+         ((end.shift || middle.shift) && end.centre_share() != middle.centre_share());
 }
 
 Lane side_lane(int id, LaneType type, std::vector<Cubic> width) {
@@ -194,43 +209,173 @@ bool has_one_lane(const RoadPath& path, double width_m) {
   return path.roundabout ? width_m < one_lane_ring_m : is_one_of(path.highway, narrow);
 }
 
+/// The lanes of one direction by the words of who uses them, from the inside out.
+using LaneWords = std::vector<std::string>;
+
+std::vector<std::string_view> parts_of(std::string_view list) {
+  std::vector<std::string_view> parts;
+  if (list.empty()) return parts;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find('|', begin), list.size());
+    parts.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+LaneUse use_of_word(std::string_view word, LaneType for_cars) {
+  if (word == "psv") return {LaneType::bus, {"bus", "taxi"}};
+  if (word == "bus") return {LaneType::bus, {"bus"}};
+  if (word == "taxi") return {LaneType::taxi, {"taxi"}};
+  if (word == "bicycle") return {LaneType::biking, {"bicycle"}};
+  if (word == "none") return {LaneType::other, {}};
+  return {for_cars, {}};
+}
+
+/// What the list of a direction says, from the inside out; `otherwise` of every lane where it says nothing.
+LaneWords listed_words(const std::string& list, int lanes, const std::string& otherwise, DrivingSide driving_side) {
+  LaneWords words(static_cast<std::size_t>(lanes), otherwise);
+  const std::vector<std::string_view> parts = parts_of(list);
+  if (parts.size() != words.size()) return words;
+  std::copy(parts.begin(), parts.end(), words.begin());
+  if (driving_side == DrivingSide::left) std::reverse(words.begin(), words.end());
+  return words;
+}
+
+/// A lane at the outside (or the inside) of a direction becomes one of that kind. A direction keeps a lane for cars: it
+/// gets one more where it has one alone.
+void give_away(LaneWords& lanes, const std::string& kind, bool outside) {
+  const auto cars = std::ranges::count(lanes, std::string());
+  if (cars == 0) return;
+  if (cars == 1) {
+    lanes.insert(outside ? lanes.end() : lanes.begin(), kind);
+    return;
+  }
+  if (outside)
+    *std::find(lanes.rbegin(), lanes.rend(), std::string()) = kind;
+  else
+    *std::find(lanes.begin(), lanes.end(), std::string()) = kind;
+}
+
+/// Bus lanes that side_lanes names, in the lanes of both directions.
+void give_side_lanes(const RoadPath& path, DrivingSide driving_side, LaneWords& forward, LaneWords& backward) {
+  const bool one_way = path.oneway == Oneway::forward, left_hand = driving_side == DrivingSide::left;
+  for (const std::string_view word : side_lanes_of(path)) {
+    const std::size_t colon = std::min(word.find(':'), word.size());
+    const std::string kind(word.substr(0, colon));
+    const std::string_view side = word.substr(std::min(colon + 1, word.size()));
+    if (kind == "bicycle") continue;
+    if (side == "along" || side == "against") {
+      give_away(side == "along" ? forward : backward, kind, true);
+      continue;
+    }
+    const bool of_forward = one_way || (side == "left") == left_hand;
+    give_away(of_forward ? forward : backward, kind, !one_way || (side == "left") == left_hand);
+  }
+}
+
+/// Lanes of both directions as the tags have them, or as the width has room for.
+std::pair<int, int> lane_numbers(const RoadPath& path, double median_width_m) {
+  const bool one_way = path.oneway == Oneway::forward;
+  if (path.lanes > 0 || path.lanes_forward > 0 || path.lanes_backward > 0) {
+    const int lanes = std::max(path.lanes - path.lanes_both_ways, path.lanes_forward + path.lanes_backward);
+    if (one_way) return {std::max(1, lanes - path.lanes_backward), path.lanes_backward};
+    const int forward = path.lanes_forward > 0    ? path.lanes_forward
+                        : path.lanes_backward > 0 ? lanes - path.lanes_backward
+                                                  : (lanes + 1) / 2;
+    return {std::max(1, forward), std::max(1, path.lanes_backward > 0 ? path.lanes_backward : lanes - forward)};
+  }
+  if (has_one_lane(path, median_width_m)) return {1, one_way ? 0 : 1};
+  const bool fast = path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
+  const double lane_m = one_way ? (fast ? fast_lane_m : one_way_lane_m) : two_way_lane_m;
+  const double lanes_m = one_way ? median_width_m - (fast ? fast_rests_m : 0.0) : 0.5 * median_width_m;
+  const int forward = std::clamp(static_cast<int>(lanes_m / lane_m), 1, max_untagged_lanes);
+  return {forward, one_way ? 0 : forward};
+}
+
+std::vector<LaneUse> uses_of(const LaneWords& words) {
+  if (std::ranges::all_of(words, [](const std::string& word) { return word.empty(); })) return {};
+  std::vector<LaneUse> uses;
+  for (const std::string& word : words) uses.push_back(use_of_word(word, LaneType::driving));
+  return uses;
+}
+
 }  // namespace
+
+int LaneLayout::main_lanes(bool of_left) const {
+  const auto cars = [this](bool side) {
+    int count = 0;
+    for (int i = 0; i < (side ? left : right); ++i) count += use(side, i).type == LaneType::driving ? 1 : 0;
+    return count;
+  };
+  if (is_shared()) return both_ways;
+  return cars(true) + cars(false) > 0 ? cars(of_left) : of_left ? left : right;
+}
+
+RoadEndLanes all_open(const LaneLayout& layout) { return {{0, layout.left}, {0, layout.right}, layout.both_ways}; }
 
 LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side) {
   const bool one_way = path.oneway == Oneway::forward;
-  int forward = 1, backward = one_way ? 0 : 1;
-  bool reduced = false;
-  if (path.lanes > 0 || path.lanes_forward > 0 || path.lanes_backward > 0) {
-    const int lanes = std::max(path.lanes, path.lanes_forward + path.lanes_backward);
-    if (one_way) {
-      forward = lanes;
-    } else {
-      forward = path.lanes_forward > 0    ? path.lanes_forward
-                : path.lanes_backward > 0 ? lanes - path.lanes_backward
-                                          : (lanes + 1) / 2;
-      backward = std::max(1, path.lanes_backward > 0 ? path.lanes_backward : lanes - forward);
-      forward = std::max(1, forward);
-    }
-    // Two lanes of a narrow road that is used both ways stay: OpenDRIVE has no lane for both.
-    while (forward + backward > (one_way ? 1 : 2) && (forward + backward) * min_tagged_lane_m > median_width_m) {
-      --(forward >= backward ? forward : backward);
-      reduced = true;
-    }
-  } else if (has_one_lane(path, median_width_m)) {
-    forward = 1, backward = one_way ? 0 : 1;
-  } else {
-    const bool fast = path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
-    const double lane_m = one_way ? (fast ? fast_lane_m : one_way_lane_m) : two_way_lane_m;
-    const double lanes_m = one_way ? median_width_m - (fast ? fast_rests_m : 0.0) : 0.5 * median_width_m;
-    forward = std::clamp(static_cast<int>(lanes_m / lane_m), 1, max_untagged_lanes);
-    backward = one_way ? 0 : forward;
+  LaneLayout layout;
+  const auto fits = [&](std::size_t lanes) { return static_cast<double>(lanes) * min_tagged_lane_m <= median_width_m; };
+  if (const int shared = shared_lanes(path); shared > 0) {
+    layout = {.left = 0, .right = 0, .both_ways = shared, .both_use = use_of_word(path.use, LaneType::bidirectional)};
+    while (layout.both_ways > 1 && !fits(static_cast<std::size_t>(layout.both_ways)))
+      --layout.both_ways, layout.reduced = true;
+    return layout;
   }
-  return driving_side == DrivingSide::left ? LaneLayout{forward, backward, reduced}
-                                           : LaneLayout{backward, forward, reduced};
+  const auto [lanes_forward, lanes_backward] = lane_numbers(path, median_width_m);
+  LaneWords forward = listed_words(path.use_forward, lanes_forward, path.use, driving_side);
+  LaneWords backward =
+      listed_words(path.use_backward, lanes_backward, one_way && path.use.empty() ? "none" : path.use, driving_side);
+  const std::size_t tagged = forward.size() + backward.size();
+  give_side_lanes(path, driving_side, forward, backward);
+  layout.both_ways = one_way ? 0 : path.lanes_both_ways;
+  const bool is_tagged =
+      path.lanes > 0 || path.lanes_forward > 0 || path.lanes_backward > 0 || tagged != forward.size() + backward.size();
+  // Two lanes of a narrow road that is used both ways stay: cars meet there at walking pace.
+  const std::size_t least = one_way ? 1 : 2, least_backward = one_way ? 0 : 1;
+  const auto total = [&] { return forward.size() + backward.size() + static_cast<std::size_t>(layout.both_ways); };
+  while (is_tagged && total() > least && !fits(total())) {
+    layout.reduced = true;
+    if (layout.both_ways > 0 && forward.size() + backward.size() <= least)
+      --layout.both_ways;
+    else if (backward.size() > least_backward && (backward.size() > forward.size() || forward.size() == 1))
+      backward.pop_back();
+    else
+      forward.pop_back();
+  }
+  const bool left_hand = driving_side == DrivingSide::left;
+  const LaneWords &left = left_hand ? forward : backward, &right = left_hand ? backward : forward;
+  layout.left = static_cast<int>(left.size()), layout.right = static_cast<int>(right.size());
+  layout.left_uses = uses_of(left), layout.right_uses = uses_of(right);
+  return layout;
 }
 
-double least_carriageway_m(Oneway oneway, double curvature_1pm) {
-  if (oneway == Oneway::no) return 2.0 * min_lane_m;
+int first_own_lane(const LaneLayout& layout, bool left, DrivingSide driving_side) {
+  return left == (driving_side == DrivingSide::left) ? layout.both_ways : 0;
+}
+
+std::optional<double> placed_shift(const RoadPath& path, const LaneLayout& layout, const RoadEndLanes& open,
+                                   const LaneRests& rests, double along, DrivingSide driving_side) {
+  const Placement& placement = path.placement;
+  if (!placement.is_told() || layout.is_shared()) return std::nullopt;
+  const double start = placement.start >= 0.0 ? placement.start : placement.end,
+               end = placement.end >= 0.0 ? placement.end : placement.start;
+  const bool left_hand = driving_side == DrivingSide::left, on_left = placement.backward != left_hand;
+  const Division division{open, rests, std::nullopt, left_hand};
+  const double lanes = on_left ? layout.left : layout.right, told = std::min(start + along * (end - start), lanes);
+  // Lanes between the line and the centre lane: drivers count from the inside where one drives on the right.
+  const double inner = left_hand ? lanes - told : told;
+  double share = 0.0;
+  for (int i = 0; i < static_cast<int>(lanes); ++i)
+    share += std::clamp(inner - i, 0.0, 1.0) * division.share_of(i, on_left);
+  if (!placement.backward) share += open.both_ways * division.lane_share();
+  return on_left ? -share : share;
+}
+
+double least_carriageway_m(const RoadPath& path, double curvature_1pm) {
+  if (path.oneway == Oneway::no && shared_lanes(path) != 1) return 2.0 * min_lane_m;
   // With the middle of the wheelbase on a circle the rear axle runs wheelbase^2 / 8 R within, the front axle three
   // times that without.
   return min_tagged_lane_m + 0.5 * wheelbase_m * wheelbase_m * std::abs(curvature_1pm);
@@ -238,7 +383,7 @@ double least_carriageway_m(Oneway oneway, double curvature_1pm) {
 
 RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
   for (RoadPath& path : roads.paths) {
-    const double least_m = least_carriageway_m(path.oneway);
+    const double least_m = least_carriageway_m(path);
     const RoadNode* narrowest = nullptr;
     double narrowest_m = least_m - notable_widening_m;
     for (RoadNode& node : path.nodes) {
@@ -270,7 +415,7 @@ SurfaceClass surface_of(const Road& road) {
   for (const roadquery::LaneSection& section : road.sections)
     for (const auto* side : {&section.right, &section.left})
       for (const Lane& lane : *side)
-        if (lane.type == LaneType::driving && !lane.materials.empty()) return lane.materials.front().surface;
+        if (roadquery::is_driven(lane.type) && !lane.materials.empty()) return lane.materials.front().surface;
   return SurfaceClass::asphalt;
 }
 
@@ -280,61 +425,142 @@ LaneMatch match_lanes(int from, int to, int inner) {
   return {{0, count}, {std::min(inner, opened), count}};
 }
 
+namespace {
+/// Builds the lanes of a road's one section.
+class SectionBuilder {
+ public:
+  SectionBuilder(const Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
+                 const LaneOptions& options)
+      : layout_(layout),
+        options_(options),
+        both_on_left_(road.driving_side == roadquery::DrivingSide::left),
+        middle_{all_open(layout), options.rests, options.shift.middle, both_on_left_},
+        start_{options.start.value_or(middle_.open), options.start_rests.value_or(options.rests), options.shift.start,
+               both_on_left_},
+        end_{options.end.value_or(middle_.open), options.end_rests.value_or(options.rests), options.shift.end,
+             both_on_left_},
+        carriageway_(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
+                     tapers(start_, middle_), tapers(end_, middle_)),
+        marks_(markings_of(road.highway, layout, widths[widths.size() / 2].value)) {}
+
+  void add_to(Road& road) const {
+    roadquery::LaneSection section;
+    section.center.type = LaneType::none;
+    section.center.marks.push_back(centre_mark(marks_, layout_));
+    add_side(section.left, true, layout_.left);
+    add_side(section.right, false, layout_.right);
+    road.sections.push_back(std::move(section));
+    const auto offset = share([](const Division& d) { return d.centre_share(); });
+    if (offset.start != 0.0 || offset.middle != 0.0 || offset.end != 0.0) road.lane_offset = carriageway_.part(offset);
+  }
+
+ private:
+  template <typename ShareAt>
+  [[nodiscard]] Share share(const ShareAt& at) const {
+    return {at(start_), at(middle_), at(end_)};
+  }
+  static int next_id(const std::vector<Lane>& lanes, bool left) {
+    return (left ? 1 : -1) * (static_cast<int>(lanes.size()) + 1);
+  }
+  void add_lane(std::vector<Lane>& lanes, bool left, const LaneUse& use, const Share& share) const {
+    Lane lane{.id = next_id(lanes, left), .type = use.type, .allowed = use.allowed};
+    lane.width = carriageway_.part(share);
+    lanes.push_back(std::move(lane));
+  }
+  /// Between the lanes of a side, and along its edge.
+  void mark(std::vector<Lane>& lanes) const {
+    for (std::size_t i = 0; i < lanes.size(); ++i) {
+      const bool outermost = i + 1 == lanes.size();
+      const bool other_traffic = !outermost && lanes[i].type != lanes[i + 1].type;
+      lanes[i].marks.push_back(outermost       ? (marks_.edges ? RoadMark{0.0, "solid", marks_.edge_m} : no_mark())
+                               : other_traffic ? RoadMark{0.0, "solid", marks_.line_m}
+                               : marks_.lanes  ? RoadMark{0.0, "broken", marks_.line_m}
+                                               : no_mark());
+    }
+  }
+  void add_side(std::vector<Lane>& lanes, bool left, int count) const {
+    if (left == both_on_left_)
+      for (int i = 0; i < layout_.both_ways; ++i)
+        add_lane(lanes, left, layout_.both_use, share([i](const Division& d) { return d.both_share_of(i); }));
+    for (int i = 0; i < count; ++i)
+      add_lane(lanes, left, layout_.use(left, i), share([=](const Division& d) { return d.share_of(i, left); }));
+    const LaneRest &cycles = left ? options_.rests.left_cycles : options_.rests.right_cycles,
+                   &rest = left ? options_.rests.left : options_.rests.right;
+    if (cycles.exists())
+      add_lane(lanes, left, {cycles.type, {}}, share([left](const Division& d) { return d.cycle_share(left); }));
+    mark(lanes);
+    if (rest.exists())
+      lanes.push_back(side_lane(next_id(lanes, left), rest.type,
+                                carriageway_.part(share([left](const Division& d) { return d.rest_share(left); }))));
+    if (!has_side(options_.sidewalk, left ? Sides::left : Sides::right)) return;
+    if (!lanes.empty() && lanes.back().marks.front().type == "none") lanes.back().marks.front() = {0.0, "curb", 0.15};
+    lanes.push_back(side_lane(next_id(lanes, left), LaneType::sidewalk, {Cubic{.a = sidewalk_m}}));
+  }
+
+  const LaneLayout& layout_;
+  const LaneOptions& options_;
+  bool both_on_left_;
+  Division middle_, start_, end_;
+  Carriageway carriageway_;
+  Markings marks_;
+};
+}  // namespace
+
 void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
                const LaneOptions& options) {
-  const Division middle{all_open(layout), options.rests},
-      start{options.start.value_or(middle.open), options.start_rests.value_or(options.rests)},
-      end{options.end.value_or(middle.open), options.end_rests.value_or(options.rests)};
-  const Carriageway carriageway(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
-                                tapers(start, middle), tapers(end, middle));
-  const Markings marks = markings_of(road.highway, layout, widths[widths.size() / 2].value);
-  roadquery::LaneSection section;
-  section.center.type = LaneType::none;
-  section.center.marks.push_back(centre_mark(marks, layout));
-  const auto add_side = [&](std::vector<Lane>& lanes, bool left, int count, const LaneRest& rest) {
-    const auto next_id = [&] { return (left ? 1 : -1) * (static_cast<int>(lanes.size()) + 1); };
-    for (int i = 0; i < count; ++i) {
-      Lane lane{.id = next_id()};
-      lane.width = carriageway.part({start.share_of(i, left), middle.share_of(i, left), end.share_of(i, left)});
-      const bool outermost = i + 1 == count;
-      lane.marks.push_back(outermost ? (marks.edges ? RoadMark{0.0, "solid", marks.edge_m} : no_mark())
-                                     : (marks.lanes ? RoadMark{0.0, "broken", marks.line_m} : no_mark()));
-      lanes.push_back(std::move(lane));
-    }
-    if (rest.exists())
-      lanes.push_back(
-          side_lane(next_id(), rest.type,
-                    carriageway.part({start.rest_share(left), middle.rest_share(left), end.rest_share(left)})));
-    if (!has_side(options.sidewalk, left ? Sides::left : Sides::right)) return;
-    if (!lanes.empty() && lanes.back().marks.front().type == "none") lanes.back().marks.front() = {0.0, "curb", 0.15};
-    lanes.push_back(side_lane(next_id(), LaneType::sidewalk, {Cubic{.a = sidewalk_m}}));
-  };
-  add_side(section.left, true, layout.left, options.rests.left);
-  add_side(section.right, false, layout.right, options.rests.right);
-  road.sections.push_back(std::move(section));
-  // The left edge lies at half the width: the centre lane is that far to the left less all that lies left of it.
-  if (start.left_share() != 0.5 || middle.left_share() != 0.5 || end.left_share() != 0.5)
-    road.lane_offset = carriageway.part({0.5 - start.left_share(), 0.5 - middle.left_share(), 0.5 - end.left_share()});
+  SectionBuilder(road, layout, widths, options).add_to(road);
+}
+
+void set_lane_speeds(Road& road, const RoadPath& path) {
+  constexpr double kmh_per_mps_here = 3.6;
+  const bool left_hand = road.driving_side == roadquery::DrivingSide::left;
+  for (const bool forward : {true, false}) {
+    std::vector<double> limits;
+    for (const std::string_view text : parts_of(forward ? path.speeds_forward : path.speeds_backward))
+      limits.push_back(text.empty() ? 0.0 : std::strtod(std::string(text).c_str(), nullptr) / kmh_per_mps_here);
+    if (limits.empty()) continue;
+    if (left_hand) std::reverse(limits.begin(), limits.end());
+    std::vector<Lane*> lanes;
+    for (Lane& lane : forward == left_hand ? road.sections.front().left : road.sections.front().right)
+      if (lane.type == LaneType::driving || lane.type == LaneType::bus || lane.type == LaneType::taxi)
+        lanes.push_back(&lane);
+    if (limits.size() > 1 && limits.size() != lanes.size()) continue;
+    for (std::size_t i = 0; i < lanes.size(); ++i)
+      if (const double limit = limits[limits.size() > 1 ? i : 0]; limit > 0.0) lanes[i]->speeds = {{0.0, limit}};
+  }
 }
 
 std::vector<int> lanes_of_direction(const Road& road, bool forward) {
   const bool right = forward != (road.driving_side == roadquery::DrivingSide::left);
-  std::vector<int> ids;
-  for (const Lane& lane : right ? road.sections.front().right : road.sections.front().left)
-    if (lane.type == LaneType::driving) ids.push_back(lane.id);
-  return ids;
+  const roadquery::LaneSection& section = road.sections.front();
+  const auto ids_of = [](const std::vector<Lane>& lanes, auto&& is_of) {
+    std::vector<int> ids;
+    for (const Lane& lane : lanes)
+      if (is_of(lane.type)) ids.push_back(lane.id);
+    return ids;
+  };
+  const auto is_car = [](LaneType type) { return type == LaneType::driving; };
+  const auto is_both = [](LaneType type) { return type == LaneType::bidirectional; };
+  const auto is_vehicle = [](LaneType type) {
+    return type == LaneType::bus || type == LaneType::taxi || type == LaneType::biking || type == LaneType::other;
+  };
+  const std::vector<Lane>&own = right ? section.right : section.left, &others = right ? section.left : section.right;
+  std::vector<int> ids = ids_of(own, is_car);
+  if (!ids.empty() || !ids_of(others, is_car).empty()) return ids;
+  ids = ids_of(own, is_both);
+  if (!ids.empty()) return ids;
+  ids = ids_of(others, is_both);
+  std::reverse(ids.begin(), ids.end());  // from the inside of who drives against the road
+  return ids.empty() ? ids_of(own, is_vehicle) : ids;
 }
 
 std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, DrivingSide driving_side) {
   const std::string& tag = forward ? path.turn_forward : path.turn_backward;
+  const std::vector<std::string_view> turns = parts_of(tag),
+                                      uses = parts_of(forward ? path.use_forward : path.use_backward);
   std::vector<unsigned> lanes;
-  if (tag.empty()) return lanes;
-  const std::string_view text = tag;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('|', begin), text.size());
-    lanes.push_back(turn_bits(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    if (uses.size() != turns.size() || uses[i].empty()) lanes.push_back(turn_bits(turns[i]));
   if (driving_side == DrivingSide::left)
     std::reverse(lanes.begin(), lanes.end());  // from left to right is from the outside in there
   return lanes;

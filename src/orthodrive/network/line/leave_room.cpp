@@ -65,7 +65,7 @@ class SectionMaker {
     const DirectedPiece piece = topology_.chains[chain].pieces[piece_at(on, s)];
     const RoadPath& path = roads_.paths[topology_.pieces[piece.piece].path];
     const double half = 0.5 * width_at(on, s);
-    const double least = 0.5 * least_carriageway_m(path.oneway, curvature_at(on.plan, s));
+    const double least = 0.5 * least_carriageway_m(path, curvature_at(on.plan, s));
     return {.chain = chain,
             .stretch = stretch,
             .junction = junction,

@@ -239,7 +239,7 @@ class GoreBuilder {
     }
     for (const auto* side : {&road.sections.front().right, &road.sections.front().left})
       for (const Lane& driven : *side)
-        if (driven.type == LaneType::driving && lane.materials.empty()) lane.materials = driven.materials;
+        if (roadquery::is_driven(driven.type) && lane.materials.empty()) lane.materials = driven.materials;
     lane.marks.push_back({0.0, "none", 0.0});
     lanes.push_back(std::move(lane));
     auto& marks = marks_[static_cast<std::size_t>(&road - map_.roads.data())];

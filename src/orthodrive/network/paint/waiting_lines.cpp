@@ -149,9 +149,12 @@ Edges incoming_edges(const Road& road, bool at_end, double s) {
   const roadquery::LaneSection& section = roadquery::section_at(road, s);
   const double middle = roadquery::evaluate(road.lane_offset, s);
   double outer = middle;
-  for (const Lane& lane : right ? section.right : section.left)
-    if (lane.type == roadquery::LaneType::driving)
-      outer += (right ? -1.0 : 1.0) * roadquery::lane_width(lane, s - section.s);
+  const auto add = [&](const std::vector<Lane>& lanes, double side) {
+    for (const Lane& lane : lanes)
+      if (roadquery::is_driven(lane.type)) outer += side * roadquery::lane_width(lane, s - section.s);
+  };
+  add(right ? section.right : section.left, right ? -1.0 : 1.0);
+  if (outer == middle) add(right ? section.left : section.right, right ? 1.0 : -1.0);  // one lane for both directions
   return {std::max(middle, outer), std::min(middle, outer)};
 }
 

@@ -50,16 +50,45 @@ struct Gate {
   double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0, crown = 0.0;  ///< crown: its tangent
   double lane_width_m = 0.0;
   double outer_rest_m = 0.0, inner_rest_m = 0.0;  ///< widths of what lies beside the lanes of one direction alone
-  double inner_t_m = 0.0;        ///< of the edge between the lanes of this direction and the oncoming ones
-  std::vector<int> lanes;        ///< of this direction, from the inside out
+  double inner_t_m = 0.0;   ///< of the edge between the lanes of this direction and the oncoming ones
+  std::vector<int> lanes;   ///< of this direction, from the inside out
+  std::vector<int> places;  ///< of those lanes, in widths of a lane from the innermost one on
+  roadquery::LaneType type = roadquery::LaneType::driving;  ///< of those lanes, where they are none for cars
   std::vector<unsigned> arrows;  ///< of the lanes, where they are painted and the gate leads into the junction
 };
 
-/// Of the shoulder or strip of a side.
+/// Lanes of vehicles, without cycle lanes at the side.
+bool is_lane(const roadquery::Lane& lane) {
+  using roadquery::LaneType;
+  return roadquery::is_driven(lane.type) || lane.type == LaneType::bus || lane.type == LaneType::taxi ||
+         lane.type == LaneType::other;
+}
+
+/// Of the shoulder, strip or cycle lane of a side.
 double rest_m(const std::vector<roadquery::Lane>& side, double s) {
+  double width_m = 0.0;
   for (const roadquery::Lane& lane : side)
-    if (is_rest(lane.type)) return roadquery::lane_width(lane, s);
-  return 0.0;
+    if (is_rest(lane.type) || (lane.type == roadquery::LaneType::biking && &lane != side.data()))
+      width_m += roadquery::lane_width(lane, s);
+  return width_m;
+}
+
+/// Where the lanes of a gate's direction lie. `own`: the lanes on the side of that direction.
+void place_lanes(const Road& road, const std::vector<roadquery::Lane>& own, bool along_s, double s, Gate& gate) {
+  const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
+  gate.inner_t_m = (along_s ? 1.0 : -1.0) * roadquery::evaluate(road.lane_offset, s);
+  gate.lanes = lanes_of_direction(road, along_s);
+  if (gate.lanes.empty()) return;
+  const int first = std::abs(gate.lanes.front());
+  const auto lane = std::ranges::find(own, gate.lanes.front(), &roadquery::Lane::id);
+  const bool is_own = lane != own.end();
+  if (is_own) gate.lane_width_m = roadquery::lane_width(*lane, s);
+  for (std::size_t i = 0; i < gate.lanes.size(); ++i)
+    gate.places.push_back(is_own ? std::abs(gate.lanes[i]) - first : static_cast<int>(i));
+  // Who drives against a road of lanes for both has their outer edge inside.
+  gate.inner_t_m += is_own ? side * (first - 1) * gate.lane_width_m
+                           : -side * static_cast<double>(gate.lanes.size()) * gate.lane_width_m;
+  if (is_own && !roadquery::is_driven(lane->type)) gate.type = lane->type;
 }
 
 Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming) {
@@ -76,17 +105,23 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   const roadquery::LaneSection& section = road.sections.front();
   const bool right = along_s != (road.driving_side == DrivingSide::left);
   const auto &own = right ? section.right : section.left, &opposite = right ? section.left : section.right;
-  const auto is_driven = [](const roadquery::Lane& lane) { return lane.type == roadquery::LaneType::driving; };
   for (const auto* side : {&own, &opposite})
-    if (const auto lane = std::ranges::find_if(*side, is_driven); lane != side->end() && gate.lane_width_m == 0.0)
+    if (const auto lane = std::ranges::find_if(*side, is_lane); lane != side->end() && gate.lane_width_m == 0.0)
       gate.lane_width_m = roadquery::lane_width(*lane, s);
   gate.outer_rest_m = rest_m(own, s);
-  if (std::ranges::none_of(opposite, is_driven)) gate.inner_rest_m = rest_m(opposite, s);
-  gate.inner_t_m = sign * roadquery::evaluate(road.lane_offset, s);
-  gate.lanes = lanes_of_direction(road, along_s);
+  if (std::ranges::none_of(opposite, is_lane) || std::ranges::none_of(own, is_lane))
+    gate.inner_rest_m = rest_m(opposite, s);
+  place_lanes(road, own, along_s, s, gate);
   if (incoming) gate.arrows = turn_lanes(path, along_s, road.driving_side);
   if (gate.arrows.size() != gate.lanes.size()) gate.arrows.clear();
   return gate;
+}
+
+/// Of a gate's lane, or of the place where one more would begin.
+int place_of(const Gate& gate, std::size_t lane) {
+  if (lane < gate.places.size()) return gate.places[lane];
+  return gate.places.empty() ? static_cast<int>(lane)
+                             : gate.places.back() + static_cast<int>(lane - gate.places.size()) + 1;
 }
 
 double angle_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(in, out)); }
@@ -411,8 +446,9 @@ struct LaneSpan {
 };
 LaneSpan span_of(const Gate& gate, std::size_t first, std::size_t count, DrivingSide driving_side) {
   const double side = driving_side == DrivingSide::left ? 1.0 : -1.0;
-  const double inner = gate.inner_t_m + side * static_cast<double>(first) * gate.lane_width_m;
-  const double outer = inner + side * static_cast<double>(std::max<std::size_t>(count, 1)) * gate.lane_width_m;
+  const int place = place_of(gate, first), last = place_of(gate, first + std::max<std::size_t>(count, 1) - 1);
+  const double inner = gate.inner_t_m + side * place * gate.lane_width_m;
+  const double outer = inner + side * (last + 1 - place) * gate.lane_width_m;
   return {std::max(inner, outer), std::min(inner, outer)};
 }
 
@@ -496,7 +532,7 @@ void add_connecting_rests(Road& road, const Movement& m, const Gate& in, const G
 void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const Gate& out) {
   const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   const auto inner_t = [side](const Gate& gate, std::size_t first) {
-    return gate.inner_t_m + side * static_cast<double>(first) * gate.lane_width_m;
+    return gate.inner_t_m + side * place_of(gate, first) * gate.lane_width_m;
   };
   const double t0 = inner_t(in, m.first_in), t1 = inner_t(out, m.first_out);
   if (t0 != 0.0 || t1 != 0.0) road.lane_offset = {hermite(0.0, road.length, t0, t1, 0.0, 0.0)};
@@ -506,6 +542,7 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
   for (std::size_t i = 0; i < std::max(m.count_in, m.count_out); ++i) {
     roadquery::Lane lane;
     lane.id = static_cast<int>(side) * (static_cast<int>(i) + 1);
+    lane.type = in.type != roadquery::LaneType::driving ? in.type : out.type;
     const double w0 = i < m.count_in ? in.lane_width_m : 0.0, w1 = i < m.count_out ? out.lane_width_m : 0.0;
     lane.width = {hermite(0.0, road.length, w0, w1, 0.0, 0.0)};
     if (i < m.count_in) lane.predecessor = in.lanes[m.first_in + i];

@@ -49,10 +49,12 @@ struct Draft {
   bool reversed = false;  ///< the chain runs against the road
   LaneLayout layout;
   std::vector<ProfileSample> widths;
+  double median_m = 0.0;                ///< of the widths of its piece
   std::vector<roadquery::Cubic> crown;  ///< along the road; its tangent
   std::optional<RoadEndLanes> start, end;
   LaneRests rests;
   std::optional<LaneRests> start_rests, end_rests;
+  LaneShift shift;
 };
 
 const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[draft.path]; }
@@ -65,9 +67,13 @@ Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1
               .reversed = part.reversed,
               .widths = widths_between(geometry, k, s0, s1)};
   const RoadPath& path = path_of(plan, draft);
-  const double median_m = median_value(geometry.widths[k]);
+  const double median_m = draft.median_m = median_value(geometry.widths[k]);
   draft.layout = lane_layout(path, median_m, plan.options.driving_side);
   draft.rests = lane_rests(path, draft.layout, median_m, plan.options.driving_side);
+  const auto shift_at = [&](double along) {
+    return placed_shift(path, draft.layout, all_open(draft.layout), draft.rests, along, plan.options.driving_side);
+  };
+  draft.shift = {shift_at(0.0), shift_at(0.5), shift_at(1.0)};
 
   road.name = path.name;
   road.driving_side = plan.options.driving_side;
@@ -114,8 +120,20 @@ void report_reduced_lanes(const NetworkPlan& plan, const Draft& draft, Findings&
   for (const RoadNode& node : plan.given.paths[draft.path].nodes) given.push_back(node.width_m);
   findings.push_back({Severity::warning, "network.too_many_lanes",
                       fmt::format("way {}: {} lanes do not fit in {:.1f} m, took {}", path.osm_id,
-                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward),
+                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward + path.lanes_both_ways),
                                   std::min(median(std::move(given)), median_value(draft.widths)), draft.layout.total()),
+                      p.x, p.y});
+}
+
+/// Cycle lanes that the carriageway has no room for.
+void report_cycle_lanes(const NetworkPlan& plan, const Draft& draft, Findings& findings) {
+  const RoadPath& path = path_of(plan, draft);
+  if (sides_with(path, "bicycle", plan.options.driving_side) == Sides::none) return;
+  if (draft.rests.left_cycles.exists() || draft.rests.right_cycles.exists()) return;
+  const Vec2 p = path.nodes[path.nodes.size() / 2].p;
+  findings.push_back({Severity::info, "network.no_room_for_cycle_lanes",
+                      fmt::format("way {}: no room for its cycle lanes beside {} lanes on {:.1f} m, left out",
+                                  path.osm_id, draft.layout.total(), median_value(draft.widths)),
                       p.x, p.y});
 }
 
@@ -130,6 +148,25 @@ int inner_turn_lanes(const NetworkPlan& plan, const Draft& draft, bool forward) 
     ++count;
   }
   return count;
+}
+
+/// Where the centre lanes lie at a joint: so far from the line as placement tells of the one road or the other, in the
+/// middle where they tell different things; lanes that open or end there move nothing. A road that tells nothing goes
+/// over from there to where it lies else.
+void match_shifts(Draft& a, bool a_at_end, Draft& b, bool b_at_end) {
+  std::optional<double>&of_a = a_at_end ? a.shift.end : a.shift.start, &of_b = b_at_end ? b.shift.end : b.shift.start;
+  if (!of_a && !of_b) return;
+  const double sign = a_at_end != b_at_end ? 1.0 : -1.0, a_m = of_a.value_or(0.0) * a.median_m,
+               b_m = sign * of_b.value_or(0.0) * b.median_m;
+  const double at_joint_m = of_a && of_b ? 0.5 * (a_m + b_m) : of_a ? a_m : b_m;
+  of_a = at_joint_m / (a_at_end ? a.widths.back() : a.widths.front()).value;
+  of_b = sign * at_joint_m / (b_at_end ? b.widths.back() : b.widths.front()).value;
+}
+
+/// A way from one placement to another: halfway between both.
+void settle_transition(const NetworkPlan& plan, Draft& draft) {
+  if (!path_of(plan, draft).placement.transition) return;
+  if (draft.shift.start && draft.shift.end) draft.shift.middle = 0.5 * (*draft.shift.start + *draft.shift.end);
 }
 
 /// Settles which lanes are open where two roads are linked, in both directions.
@@ -147,37 +184,50 @@ void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool
     open_lanes(open_a, a_left) = out_of_a ? match.from : match.to;
     open_lanes(open_b, b_left) = out_of_a ? match.to : match.from;
   }
-  if (open_a.left.count + open_a.right.count == 0) return;  // one-way roads that face each other
+  open_a.both_ways = open_b.both_ways = std::min(a.layout.both_ways, b.layout.both_ways);
+  if (open_a.count() == 0) return;  // one-way roads that face each other
   (a_at_end ? a.end : a.start) = open_a;
   (b_at_end ? b.end : b.start) = open_b;
   const bool same_direction = a_at_end != b_at_end;
   (a_at_end ? a.end_rests : a.start_rests) = rests_at_joint(a.rests, b.rests, same_direction);
   (b_at_end ? b.end_rests : b.start_rests) = rests_at_joint(b.rests, a.rests, same_direction);
+  match_shifts(a, a_at_end, b, b_at_end);
 }
 
 /// Whether two lanes outside the driven ones are one. Strips that end at the joint are not.
 bool goes_on(const roadquery::Lane& from, const Road& a, bool a_at_end, const roadquery::Lane& to, const Road& b,
              bool b_at_end) {
   constexpr double least_m = 1e-3;
-  return from.type == to.type && from.type != roadquery::LaneType::driving &&
-         roadquery::lane_width(from, a_at_end ? a.length : 0.0) > least_m &&
+  using roadquery::LaneType;
+  const bool beside = is_rest(from.type) || from.type == LaneType::sidewalk || from.type == LaneType::biking;
+  return from.type == to.type && beside && roadquery::lane_width(from, a_at_end ? a.length : 0.0) > least_m &&
          roadquery::lane_width(to, b_at_end ? b.length : 0.0) > least_m;
 }
 
+/// A side of a road at a joint.
+struct JointSide {
+  Road& road;
+  bool at_end = false, left = false;
+  OpenLanes open;
+  int first = 0;  ///< of the lanes of one direction
+
+  [[nodiscard]] std::vector<roadquery::Lane>& lanes() const {
+    return left ? road.sections.front().left : road.sections.front().right;
+  }
+  [[nodiscard]] roadquery::Lane& open_lane(int i) const { return lanes()[index_of(first + open.first + i)]; }
+};
+
+void link_open_lanes(roadquery::Lane& from, bool from_end, roadquery::Lane& to, bool to_end) {
+  (from_end ? from.successor : from.predecessor) = to.id;
+  (to_end ? to.successor : to.predecessor) = from.id;
+}
+
 /// Links the open lanes of a side to those of the other road, and the strips and walks beside them.
-void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left,
-               OpenLanes open_b) {
-  using roadquery::Lane;
-  std::vector<Lane>& lanes_a = a_left ? a.sections.front().left : a.sections.front().right;
-  std::vector<Lane>& lanes_b = b_left ? b.sections.front().left : b.sections.front().right;
-  const auto link = [&](Lane& from, Lane& to) {
-    (a_at_end ? from.successor : from.predecessor) = to.id;
-    (b_at_end ? to.successor : to.predecessor) = from.id;
-  };
-  for (int i = 0; i < open_a.count; ++i) link(lanes_a[index_of(open_a.first + i)], lanes_b[index_of(open_b.first + i)]);
-  for (Lane& from : lanes_a)
-    for (Lane& to : lanes_b)
-      if (goes_on(from, a, a_at_end, to, b, b_at_end)) link(from, to);
+void link_side(const JointSide& a, const JointSide& b) {
+  for (int i = 0; i < a.open.count; ++i) link_open_lanes(a.open_lane(i), a.at_end, b.open_lane(i), b.at_end);
+  for (roadquery::Lane& from : a.lanes())
+    for (roadquery::Lane& to : b.lanes())
+      if (goes_on(from, a.road, a.at_end, to, b.road, b.at_end)) link_open_lanes(from, a.at_end, to, b.at_end);
 }
 
 void link_roads(RoadMap& map, LinkedEnd a, const Draft& draft_a, LinkedEnd b, const Draft& draft_b) {
@@ -187,11 +237,21 @@ void link_roads(RoadMap& map, LinkedEnd a, const Draft& draft_a, LinkedEnd b, co
   const std::optional<RoadEndLanes>& open_a = a.at_end ? draft_a.end : draft_a.start;
   const std::optional<RoadEndLanes>& open_b = b.at_end ? draft_b.end : draft_b.start;
   if (!open_a || !open_b) return;
+  Road &road_a = map.roads[index_of(a.road)], &road_b = map.roads[index_of(b.road)];
+  const DrivingSide side = road_a.driving_side;
   for (const bool a_left : {true, false}) {
     const bool b_left = a_left == (a.at_end != b.at_end);
-    link_side(map.roads[index_of(a.road)], a.at_end, a_left, a_left ? open_a->left : open_a->right,
-              map.roads[index_of(b.road)], b.at_end, b_left, b_left ? open_b->left : open_b->right);
+    link_side(
+        {road_a, a.at_end, a_left, a_left ? open_a->left : open_a->right, first_own_lane(draft_a.layout, a_left, side)},
+        {road_b, b.at_end, b_left, b_left ? open_b->left : open_b->right,
+         first_own_lane(draft_b.layout, b_left, side)});
   }
+  const auto both_ways = [side](Road& road) -> std::vector<roadquery::Lane>& {
+    return side == DrivingSide::left ? road.sections.front().left : road.sections.front().right;
+  };
+  for (int i = 0; i < open_a->both_ways; ++i)
+    link_open_lanes(both_ways(road_a)[index_of(i)], a.at_end,
+                    both_ways(road_b)[index_of(a.at_end != b.at_end ? i : open_b->both_ways - 1 - i)], b.at_end);
 }
 
 /// Lanes and direct links of the roads of a stretch, `drafts` in the order along the chain; a ring's last one leads
@@ -205,9 +265,11 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
     const Draft& draft = drafts[k];
     const RoadPath& path = path_of(plan, draft);
     Road& road = map.roads[index_of(first_road) + k];
+    settle_transition(plan, drafts[k]);
     add_lanes(road, draft.layout, draft.widths,
               {plan.options.width_tolerance_m, path.sidewalk, draft.rests, draft.start, draft.end, draft.start_rests,
-               draft.end_rests});
+               draft.end_rests, draft.shift});
+    set_lane_speeds(road, path);
     set_material(road, path.known_surface.surface, plan.options.weather);
     add_crown(road, draft.crown, plan.options.shape_tolerance_m, max_rate_jump_of(road));
   }
@@ -230,8 +292,9 @@ StretchRoads add_stretch(const NetworkPlan& plan, const Stretch& stretch, const 
     map.roads.emplace_back();
     drafts.push_back(draft_road(plan, stretch.chain, cuts[k], cuts[k + 1], map.roads.back()));
     map.roads.back().id = static_cast<int>(map.roads.size());
-    if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
-      report_reduced_lanes(plan, drafts.back(), findings);
+    if (!told.insert(drafts.back().path).second) continue;
+    if (drafts.back().layout.reduced) report_reduced_lanes(plan, drafts.back(), findings);
+    report_cycle_lanes(plan, drafts.back(), findings);
   }
   add_stretch_lanes(plan, map, first_road, drafts, plan.geometry[stretch.chain].closed && !stretch.vertex0);
   const int last_road = static_cast<int>(map.roads.size()) - 1;
@@ -300,7 +363,7 @@ class JunctionEnds {
 }  // namespace
 
 std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
-  std::set<std::size_t> told;  // paths whose lanes were reduced
+  std::set<std::size_t> told;  // paths whose lanes were looked at
   JunctionEnds ends(plan);
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];

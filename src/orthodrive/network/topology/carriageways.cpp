@@ -169,8 +169,8 @@ RoadNetwork assume_carriageways(RoadNetwork roads, DrivingSide driving_side, Fin
     RoadPath& path = roads.paths[i];
     if (ways[i] < 0) turn_round(path);
     path.oneway = Oneway::forward;
-    path.lanes_forward = path.lanes, path.lanes_backward = 0;
-    path.turn_backward.clear();
+    path.lanes_forward = path.lanes, path.lanes_backward = path.lanes_both_ways = 0;
+    path.turn_backward.clear(), path.use_backward.clear();
     findings.push_back({Severity::warning, "network.carriageway_assumed",
                         fmt::format("way {}: runs beside another {} of the same name, and no way of the map is tagged "
                                     "oneway; took it as a carriageway",

@@ -109,6 +109,7 @@ void place_vertices(const RoadNetwork& roads, RoadPieces& road_pieces) {
 /// Lanes of a piece at one of its ends.
 struct EndLanes {
   int in = 0, out = 0;  ///< driving to the vertex and away from it
+  bool shared = false;  ///< the same lanes
 };
 
 EndLanes lanes_at(const RoadNetwork& roads, const RoadPieces& road_pieces, const PieceEnd& end,
@@ -118,21 +119,23 @@ EndLanes lanes_at(const RoadNetwork& roads, const RoadPieces& road_pieces, const
   std::vector<double> widths;
   for (std::size_t i = piece.first; i <= piece.last; ++i) widths.push_back(path.nodes[i].width_m);
   const LaneLayout layout = lane_layout(path, median(std::move(widths)), driving_side);
-  const int forward = driving_side == DrivingSide::left ? layout.left : layout.right,
-            backward = layout.total() - forward;
-  return end.at_last ? EndLanes{forward, backward} : EndLanes{backward, forward};
+  const bool left_hand = driving_side == DrivingSide::left;
+  const int forward = layout.main_lanes(left_hand), backward = layout.main_lanes(!left_hand);
+  return end.at_last ? EndLanes{forward, backward, layout.is_shared()}
+                     : EndLanes{backward, forward, layout.is_shared()};
 }
 
-/// Two ends whose lanes cannot simply go on. Where a two-way road goes on as a one-way road, its lanes move sideways.
-/// Where one with more lanes goes on, every new lane has to be reached: OpenDRIVE wants a junction where it is not
-/// clear which lane follows which (1.7, 8.2). One-way roads need none: their new lanes taper in beside the others.
+/// Two ends whose lanes cannot simply go on. Where a two-way road goes on as a one-way road, its lanes move sideways,
+/// as they do where one lane for both directions goes on as one each. Where one with more lanes goes on, every new lane
+/// has to be reached: OpenDRIVE wants a junction where it is not clear which lane follows which (1.7, 8.2). One-way
+/// roads need none: their new lanes taper in beside the others.
 void find_lane_shifts(const RoadNetwork& roads, DrivingSide driving_side, RoadPieces& road_pieces) {
   for (Vertex& vertex : road_pieces.vertices) {
     if (vertex.ends.size() != 2) continue;
     const EndLanes a = lanes_at(roads, road_pieces, vertex.ends[0], driving_side);
     const EndLanes b = lanes_at(roads, road_pieces, vertex.ends[1], driving_side);
     const bool a_both = a.in > 0 && a.out > 0, b_both = b.in > 0 && b.out > 0;
-    vertex.lanes_shift = a_both != b_both || (a_both && (b.out > a.in || a.out > b.in));
+    vertex.lanes_shift = a_both != b_both || a.shared != b.shared || (a_both && (b.out > a.in || a.out > b.in));
   }
 }
 

@@ -101,8 +101,11 @@ StageOutcome outcome_of(const RefinedRoads& refined, const RefineFiles& files) {
 
 StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   check_files(files, options.method);
-  const RefinedRoads refined = options.method == RefineMethod::mrf ? refine_in_photo(files, options, context)
-                                                                   : refine_in_labels(files, options, context);
+  RefinedRoads refined = options.method == RefineMethod::mrf ? refine_in_photo(files, options, context)
+                                                             : refine_in_labels(files, options, context);
+  // The lines lie in the middle of the carriageways now, wherever the map has drawn them.
+  if (options.method != RefineMethod::none)
+    for (RoadPath& path : refined.roads.paths) path.placement = {};
   io::write_roads(files.roads, refined.roads);
   return outcome_of(refined, files);
 }
@@ -125,7 +128,7 @@ BuildStage refine_stage(SiteBuild& build) {
                           .roads = build.out_dir / ".orthodrive/refined.gpkg"};
   const RunRefineOptions run{.site = site.frame, .standard = {.driving_side = site.driving_side}};
   return {.name = "refine",
-          .version = 9,
+          .version = 10,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
           .options = options,
           .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},

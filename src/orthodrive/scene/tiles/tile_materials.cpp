@@ -23,8 +23,8 @@ bool is_on_road_border(const SceneLayout& layout, Vec2 p) {
 
 bool is_carriageway(roadquery::LaneType type) {
   using roadquery::LaneType;
-  return type == LaneType::driving || type == LaneType::shoulder || type == LaneType::parking ||
-         type == LaneType::border;
+  return roadquery::is_driven(type) || type == LaneType::bus || type == LaneType::taxi || type == LaneType::biking ||
+         type == LaneType::shoulder || type == LaneType::parking || type == LaneType::border;
 }
 
 /// Asphalt follows the lanes of the carriageway; the others, and junctions, lie flat.

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may use which lane, where the line of the map lies among them, room at nodes, and the table of what is read.
+
+#include "orthodrive/io/osm/lane_use.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+#include "orthodrive/io/osm/tag_rules.hpp"
+#include "orthodrive/io/osm/turning_places.hpp"
+#include "paths.hpp"
+#include "places.hpp"
+#include "scratch.hpp"
+
+namespace orthodrive {
+namespace {
+
+io::WayAttributes read_way(io::OsmTags tags) {
+  tags.emplace("highway", "primary");
+  return io::way_attributes(tags);
+}
+
+TEST(LaneUse, a_centre_lane_is_counted_beside_those_of_the_directions) {
+  io::WayAttributes way = read_way({{"highway", "secondary"},
+                                    {"lanes", "5"},
+                                    {"lanes:forward", "2"},
+                                    {"lanes:backward", "2"},
+                                    {"lanes:both_ways", "1"}});
+  EXPECT_EQ(way.path.lanes, 5);
+  EXPECT_EQ(way.path.lanes_both_ways, 1);
+  EXPECT_NEAR(way.width_m, 16.75, 1e-9);
+  EXPECT_TRUE(way.doubts.empty());
+  way = read_way({{"lanes", "3"}, {"centre_turn_lane", "yes"}});
+  EXPECT_EQ(way.path.lanes_forward, 1);
+  EXPECT_EQ(way.path.lanes_backward, 1);
+  EXPECT_EQ(way.path.lanes_both_ways, 1);
+  way = read_way({{"lanes", "3"}, {"lanes:forward", "1"}, {"turn:lanes:both_ways", "left"}});
+  EXPECT_EQ(way.path.lanes_backward, 1) << "the rest";
+  EXPECT_TRUE(way.doubts.empty());
+  way = read_way({{"lanes", "2"}, {"oneway", "reversible"}});
+  EXPECT_EQ(shared_lanes(way.path), 2);
+  way = read_way({{"lanes", "1"}});
+  EXPECT_EQ(shared_lanes(way.path), 1);
+  EXPECT_EQ(shared_lanes(read_way({{"lanes", "1"}, {"oneway", "yes"}}).path), 0);
+}
+
+TEST(LaneUse, lanes_of_one_kind_of_vehicle) {
+  io::WayAttributes way = read_way({{"lanes", "3"}, {"oneway", "yes"}, {"bus:lanes", "yes|yes|designated"}});
+  EXPECT_EQ(way.path.use_forward, "||bus");
+  way = read_way({{"lanes", "2"}, {"oneway", "yes"}, {"psv:lanes", "|designated"}, {"vehicle:lanes", "yes|no"}});
+  EXPECT_EQ(way.path.use_forward, "|psv");
+  way = read_way({{"lanes", "2"}, {"oneway", "yes"}, {"access:lanes", "no|yes"}, {"taxi:lanes", "yes|yes"}});
+  EXPECT_EQ(way.path.use_forward, "taxi|");
+  way = read_way({{"lanes", "2"}, {"oneway", "yes"}, {"motor_vehicle:lanes", "yes|no"}});
+  EXPECT_EQ(way.path.use_forward, "|none");
+  way = read_way({{"lanes", "3"}, {"lanes:forward", "2"}, {"bus:lanes:forward", "|designated"}});
+  EXPECT_EQ(way.path.use_forward, "|bus");
+  EXPECT_EQ(way.path.use_backward, "");
+  EXPECT_TRUE(way.doubts.empty());
+  way = read_way({{"lanes", "2"}, {"oneway", "yes"}, {"bus:lanes", "yes|yes|designated"}});
+  EXPECT_EQ(way.path.use_forward, "") << "three of two lanes";
+  EXPECT_EQ(way.doubts.size(), 1u);
+  way = read_way(
+      {{"lanes", "2"}, {"oneway", "yes"}, {"bus:lanes", "yes|designated"}, {"motor_vehicle:lanes", "yes|yes"}});
+  EXPECT_EQ(way.path.use_forward, "") << "cars may use it, too";
+}
+
+TEST(LaneUse, cycle_lanes_of_a_list_are_not_counted) {
+  const io::WayAttributes way = read_way({{"lanes", "2"},
+                                          {"oneway", "yes"},
+                                          {"vehicle:lanes", "yes|yes|no"},
+                                          {"bicycle:lanes", "||designated"},
+                                          {"turn:lanes", "left|through|"}});
+  EXPECT_EQ(way.path.side_lanes, "bicycle:right");
+  EXPECT_EQ(way.path.use_forward, "");
+  EXPECT_EQ(way.path.turn_forward, "left|through");
+  EXPECT_EQ(way.path.lanes, 2);
+  EXPECT_TRUE(way.doubts.empty());
+}
+
+TEST(LaneUse, lanes_at_the_sides) {
+  const auto sides = [](io::OsmTags tags) { return read_way(std::move(tags)).path.side_lanes; };
+  EXPECT_EQ(sides({{"cycleway", "lane"}}), "bicycle:along bicycle:against");
+  EXPECT_EQ(sides({{"cycleway", "lane"}, {"oneway", "yes"}}), "bicycle:along");
+  EXPECT_EQ(sides({{"cycleway", "opposite_lane"}, {"oneway", "yes"}}), "bicycle:against");
+  EXPECT_EQ(sides({{"cycleway:right", "lane"}}), "bicycle:right");
+  EXPECT_EQ(sides({{"cycleway:both", "lane"}}), "bicycle:left bicycle:right");
+  EXPECT_EQ(sides({{"cycleway:left", "lane"}, {"oneway", "-1"}}), "bicycle:right") << "turned round with the way";
+  EXPECT_EQ(sides({{"cycleway", "track"}}), "");
+  EXPECT_EQ(sides({{"busway", "lane"}, {"lanes", "4"}}), "bus:along bus:against");
+  EXPECT_EQ(sides({{"busway:right", "lane"}, {"lanes", "3"}}), "bus:right");
+  EXPECT_EQ(sides({{"lanes:psv:forward", "1"}, {"lanes", "3"}}), "psv:along");
+  EXPECT_EQ(sides({{"lanes:bus", "1"}, {"lanes", "3"}, {"oneway", "yes"}}), "bus:along");
+  EXPECT_NEAR(read_way({{"cycleway", "lane"}}).width_m, 7.5 + 3.0, 1e-9) << "lanes in the carriageway make it wider";
+}
+
+TEST(LaneUse, lanes_against_a_one_way_road_are_none_for_cars) {
+  io::WayAttributes way = read_way({{"oneway", "yes"},
+                                    {"lanes", "3"},
+                                    {"lanes:forward", "2"},
+                                    {"lanes:backward", "1"},
+                                    {"oneway:bus", "no"},
+                                    {"bus:lanes:backward", "designated"}});
+  EXPECT_EQ(way.path.lanes_forward, 2);
+  EXPECT_EQ(way.path.lanes_backward, 1);
+  EXPECT_EQ(way.path.use_backward, "bus");
+  EXPECT_TRUE(way.doubts.empty());
+  way = read_way({{"oneway", "yes"}, {"lanes", "2"}, {"busway", "opposite_lane"}});
+  EXPECT_EQ(way.path.lanes_forward, 1);
+  EXPECT_EQ(way.path.use_backward, "bus");
+  way = read_way({{"oneway", "yes"}, {"lanes", "2"}, {"lanes:backward", "1"}, {"oneway:psv", "no"}});
+  EXPECT_EQ(way.path.use_backward, "psv");
+  way = read_way({{"oneway", "yes"}, {"lanes", "2"}, {"lanes:backward", "1"}, {"oneway:bicycle", "no"}});
+  EXPECT_EQ(way.path.lanes_backward, 0);
+  EXPECT_EQ(way.path.side_lanes, "bicycle:against");
+}
+
+TEST(LaneUse, who_may_drive_on_a_road) {
+  const auto use = [](io::OsmTags tags) { return read_way(std::move(tags)).path.use; };
+  EXPECT_EQ(use({{"access", "no"}, {"bus", "yes"}}), "bus");
+  EXPECT_EQ(use({{"motor_vehicle", "no"}, {"psv", "designated"}}), "psv");
+  EXPECT_EQ(use({{"vehicle", "no"}, {"bicycle", "yes"}}), "bicycle");
+  EXPECT_EQ(use({{"vehicle", "no"}}), "none");
+  EXPECT_EQ(use({{"access", "no"}, {"motorcar", "yes"}}), "") << "the closest key counts";
+  EXPECT_EQ(use({{"access", "private"}}), "");
+  EXPECT_EQ(use({{"bus", "designated"}}), "") << "others may come, too";
+  EXPECT_EQ(use({{"highway", "busway"}}), "bus");
+  EXPECT_EQ(use({{"highway", "raceway"}, {"access", "no"}}), "");
+}
+
+TEST(LaneUse, limits_of_each_direction) {
+  io::WayAttributes way = read_way({{"maxspeed:forward", "70"}, {"maxspeed:backward", "30 mph"}});
+  EXPECT_EQ(way.path.speeds_forward, "70");
+  EXPECT_EQ(way.path.speeds_backward, "48.2803");
+  EXPECT_EQ(way.path.speed_limit_kmh, 70.0) << "the larger one, of what has none of its own";
+  way = read_way({{"maxspeed", "50"}, {"maxspeed:backward", "30"}, {"oneway", "-1"}});
+  EXPECT_EQ(way.path.speeds_forward, "30") << "turned round with the way";
+  way = read_way({{"oneway", "yes"}, {"lanes", "2"}, {"maxspeed:lanes", "100|80"}});
+  EXPECT_EQ(way.path.speeds_forward, "100|80");
+  way = read_way({{"maxspeed:both", "40"}});
+  EXPECT_EQ(way.path.speed_limit_kmh, 40.0);
+  EXPECT_EQ(read_way({{"maxspeed:forward", "fast"}}).doubts.size(), 1u);
+}
+
+TEST(LaneUse, widths_of_parts) {
+  EXPECT_EQ(read_way({{"width:lanes", "3|3.5"}, {"oneway", "yes"}}).width_m, 6.5);
+  EXPECT_EQ(read_way({{"width:lanes:forward", "3"}, {"width:lanes:backward", "3.5"}}).width_m, 6.5);
+  EXPECT_EQ(read_way({{"width:forward", "3"}, {"width:backward", "4"}}).width_m, 7.0);
+  EXPECT_EQ(read_way({{"est_width", "5"}}).width_m, 5.0);
+  EXPECT_EQ(read_way({{"width", "12"}, {"width:carriageway", "6"}}).width_m, 6.0);
+}
+
+TEST(LaneUse, surfaces_of_parts) {
+  EXPECT_EQ(read_way({{"surface:forward", "sett"}, {"surface:backward", "sett"}}).path.surface, "sett");
+  const io::WayAttributes way = read_way({{"surface:lanes", "asphalt|sett"}});
+  EXPECT_EQ(way.path.surface, "asphalt");
+  EXPECT_EQ(way.doubts.size(), 1u);
+}
+
+TEST(LaneUse, placement) {
+  const auto read = [](io::OsmTags tags) {
+    const Placement p = read_way(std::move(tags)).path.placement;
+    return fmt::format("{}{} {}{}", p.backward ? "b" : "f", p.start, p.end, p.transition ? " t" : "");
+  };
+  EXPECT_EQ(read({{"oneway", "yes"}, {"lanes", "3"}, {"placement", "right_of:1"}}), "f1 1");
+  EXPECT_EQ(read({{"oneway", "yes"}, {"lanes", "3"}, {"placement", "left_of:1"}}), "f0 0");
+  EXPECT_EQ(read({{"oneway", "yes"}, {"lanes", "3"}, {"placement", "middle_of:2"}}), "f1.5 1.5");
+  EXPECT_EQ(read({{"oneway", "yes"}, {"lanes", "3"}, {"placement", "transition"}}), "f-1 -1 t");
+  EXPECT_EQ(read({{"oneway", "yes"}, {"placement:start", "left_of:1"}, {"placement:end", "right_of:2"}}), "f0 2");
+  EXPECT_EQ(read({{"lanes", "3"}, {"placement:forward", "right_of:1"}}), "f1 1");
+  EXPECT_EQ(read({{"lanes", "3"}, {"placement:backward", "middle_of:1"}}), "b0.5 0.5");
+  EXPECT_EQ(read({{"oneway", "yes"}, {"lanes", "2"}, {"placement", "right_of:4"}}), "f-1 -1") << "of two lanes";
+  EXPECT_EQ(read_way({{"placement", "right_of:1"}}).doubts.size(), 1u) << "of which direction?";
+  EXPECT_EQ(read_way({{"oneway", "yes"}, {"placement", "beside"}}).doubts.size(), 1u);
+}
+
+TEST(LaneUse, turning_a_path_round_turns_what_its_lanes_say) {
+  RoadPath path = read_way({{"lanes", "3"},
+                            {"lanes:forward", "2"},
+                            {"bus:lanes:forward", "|designated"},
+                            {"cycleway:left", "lane"},
+                            {"maxspeed:backward", "30"},
+                            {"placement:forward", "right_of:1"}})
+                      .path;
+  path.nodes.resize(2);
+  turn_round(path);
+  EXPECT_EQ(path.lanes_backward, 2);
+  EXPECT_EQ(path.use_backward, "|bus");
+  EXPECT_EQ(path.side_lanes, "bicycle:right");
+  EXPECT_EQ(path.speeds_forward, "30");
+  EXPECT_TRUE(path.placement.backward);
+}
+
+/// A road of 100 m to the east.
+RoadNetwork straight_road(double width_m) {
+  RoadPath path{.osm_id = 1, .highway = "residential"};
+  path.nodes = {{.p = origin + Vec2{10, 50}, .osm_node = 1, .width_m = width_m},
+                {.p = origin + Vec2{110, 50}, .osm_node = 2, .s_m = 100.0, .width_m = width_m}};
+  return {utm33, {path}};
+}
+
+double widest_m(const RoadPath& path) { return std::ranges::max(path.nodes, {}, &RoadNode::width_m).width_m; }
+
+TEST(TurningPlaces, a_circle_at_a_dead_end_is_paved) {
+  const auto place = io::turning_place(2, {{"highway", "turning_circle"}, {"diameter", "18"}});
+  ASSERT_TRUE(place);
+  RoadNetwork roads = straight_road(5.5);
+  io::widen_at({*place}, site_of(200).area, roads);
+  const RoadPath& path = roads.paths[0];
+  EXPECT_NEAR(widest_m(path), 18.0, 0.3);
+  EXPECT_NEAR(path.nodes.back().s_m, 100.0 + 0.9 * 9.0, 1e-6) << "to its far side";
+  EXPECT_EQ(path.nodes.front().width_m, 5.5);
+  for (std::size_t i = 1; i < path.nodes.size(); ++i) EXPECT_GT(path.nodes[i].s_m, path.nodes[i - 1].s_m);
+  roads = straight_road(5.5);
+  io::widen_at({*io::turning_place(1, {{"highway", "turning_loop"}})}, site_of(200).area, roads);
+  EXPECT_NEAR(widest_m(roads.paths[0]), 18.0, 0.3);
+  EXPECT_EQ(roads.paths[0].nodes.back().width_m, 5.5);
+  EXPECT_LT(roads.paths[0].nodes.front().p.x, origin.x + 10.0) << "at the beginning of the way";
+}
+
+TEST(TurningPlaces, a_passing_place_is_as_wide_as_two_cars_need) {
+  RoadNetwork roads = straight_road(3.0);
+  roads.paths[0].nodes.insert(roads.paths[0].nodes.begin() + 1,
+                              {.p = origin + Vec2{60, 50}, .osm_node = 7, .s_m = 50.0, .width_m = 3.0});
+  io::widen_at({*io::turning_place(7, {{"highway", "passing_place"}})}, site_of(200).area, roads);
+  EXPECT_NEAR(widest_m(roads.paths[0]), 5.5, 1e-9);
+  EXPECT_EQ(roads.paths[0].nodes.front().width_m, 3.0);
+  EXPECT_EQ(roads.paths[0].nodes.back().width_m, 3.0);
+  EXPECT_NEAR(roads.paths[0].nodes.back().s_m, 100.0, 1e-9);
+}
+
+TEST(TagRules, tags_that_are_not_read_are_named) {
+  const auto unread = io::unread_tags({{"highway", "residential"},
+                                       {"traffic_calming", "hump"},
+                                       {"change:lanes", "yes|no"},
+                                       {"cycleway:left", "track"},
+                                       {"maxspeed", "50"},
+                                       {"maxspeed:conditional", "30 @ (22:00-06:00)"},
+                                       {"name", "High Street"}},
+                                      io::TaggedObject::way);
+  std::vector<std::string> tags;
+  for (const io::UnreadTag& tag : unread) tags.push_back(tag.tag);
+  EXPECT_THAT(tags, testing::UnorderedElementsAre("traffic_calming=hump", "change:lanes=yes|no", "cycleway:left=track",
+                                                  "maxspeed:conditional=30 @ (22:00-06:00)"));
+  EXPECT_EQ(io::unread_tags({{"barrier", "gate"}}, io::TaggedObject::node).size(), 1u);
+  EXPECT_EQ(io::unread_tags({{"highway", "mini_roundabout"}}, io::TaggedObject::node).size(), 1u);
+  EXPECT_TRUE(io::unread_tags({{"highway", "turning_circle"}}, io::TaggedObject::node).empty());
+}
+
+std::string page_of_rules() {
+  std::string text =
+      "# What is read of OpenStreetMap's tags\n\n"
+      "Of roads and of their nodes. The table is `io/osm/tag_rules` and this page is written from it by "
+      "`tests/io/lane_use_test` "
+      "(`ORTHODRIVE_RECORD=1`).\nWhat is met and not read is counted: one finding `osm.tag_not_read` for each tag and "
+      "value, at its first "
+      "place. Tags of lanes that\ncontradict each other or cannot be read are `osm.lane_tags`, with what was taken. A "
+      "key with `*` stands for all "
+      "that begin so.\n";
+  for (const bool is_read : {true, false})
+    for (const io::TaggedObject on : {io::TaggedObject::way, io::TaggedObject::node}) {
+      text += fmt::format("\n## {}, {}\n\n| key | wiki | {} |\n|---|---|---|\n",
+                          on == io::TaggedObject::way ? "Roads" : "Nodes on roads", is_read ? "read" : "not read",
+                          is_read ? "what is made of it" : "why not");
+      for (const io::TagRule& rule : io::tag_rules())
+        if (rule.is_read == is_read && rule.on == on)
+          text += fmt::format("| `{}` | {} | {} |\n", rule.key, rule.page, rule.meaning);
+    }
+  return text;
+}
+
+TEST(TagRules, the_page_has_the_table) {
+  const auto file = paths::in_source("docs/osm_tags.md");
+  if (std::getenv("ORTHODRIVE_RECORD")) write_bytes(file, page_of_rules());
+  EXPECT_EQ(bytes_of(file), page_of_rules()) << "ORTHODRIVE_RECORD=1 test_io --gtest_filter='TagRules.*' writes it";
+}
+
+}  // namespace
+}  // namespace orthodrive
