@@ -10,6 +10,7 @@
 
 #include "orthodrive/core/median.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::refine {
 namespace {
@@ -73,7 +74,7 @@ class ParallelRoads {
       layers_.push_back(layers_of(chains[c], osm));
       traffic_.push_back(traffic_of(chains[c], osm));
       for (const ChainNode& node : chains[c].nodes)
-        if (node.osm_node > 0) meetings_[c].emplace(node.osm_node, node.s_m);
+        if (is_osm_node(node.osm_node)) meetings_[c].emplace(node.osm_node, node.s_m);
     }
   }
 

@@ -12,6 +12,7 @@
 
 #include "orthodrive/geo/segment.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::refine {
 namespace {
@@ -209,8 +210,8 @@ RoadNode node_at(RoadPath& path, Vec2 p, std::int64_t& next_node) {
   RoadNode& after = path.nodes[place.segment + 1];
   RoadNode& nearer = distance(before.p, place.point) <= distance(after.p, place.point) ? before : after;
   const double to_nearer_m = distance(nearer.p, place.point);
-  if (to_nearer_m < 0.01 || (to_nearer_m < at_node_m && nearer.osm_node > 0)) {
-    if (nearer.osm_node <= 0) nearer.osm_node = next_node++;
+  if (to_nearer_m < 0.01 || (to_nearer_m < at_node_m && is_osm_node(nearer.osm_node))) {
+    if (!is_osm_node(nearer.osm_node)) nearer.osm_node = next_node++;
     return nearer;
   }
   RoadNode node = before;
@@ -252,7 +253,7 @@ void join_itself(RoadPath& path, Vec2 p, std::int64_t& next_node) {
   for (std::size_t i = 0; i < s.size() && s[i] < away_m; ++i)
     if (distance(path.nodes[i].p, p) < distance(path.nodes[nearest].p, p)) nearest = i;
   RoadNode& node = path.nodes[nearest];
-  if (node.osm_node <= 0) node.osm_node = next_node++;
+  if (!is_osm_node(node.osm_node)) node.osm_node = next_node++;
   path.nodes.push_back(node);
 }
 

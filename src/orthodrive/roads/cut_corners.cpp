@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/ring_paths.hpp"
 
 namespace orthodrive {
@@ -23,7 +24,7 @@ Visits visits_of(const RoadNetwork& roads) {
   Visits visits;
   for (std::size_t p = 0; p < roads.paths.size(); ++p)
     for (std::size_t i = 0; i < roads.paths[p].nodes.size(); ++i)
-      if (const std::int64_t id = roads.paths[p].nodes[i].osm_node; id > 0) visits[id].push_back({p, i});
+      if (const std::int64_t id = roads.paths[p].nodes[i].osm_node; is_osm_node(id)) visits[id].push_back({p, i});
   return visits;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+
 namespace orthodrive {
 
 RoadNetwork with_nodes_every(RoadNetwork roads, double step_m) {
@@ -19,7 +21,7 @@ RoadNetwork with_nodes_every(RoadNetwork roads, double step_m) {
         const double f = static_cast<double>(i) / parts;
         RoadNode& node = dense.emplace_back(a);
         const auto between = [&](auto member) { node.*member = a.*member + (b.*member - a.*member) * f; };
-        node.osm_node = 0;
+        node.osm_node = no_osm_node;
         node.kerb_radius_m = 0.0;
         node.p = a.p + (b.p - a.p) * f;
         for (double RoadNode::*const member :

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <map>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -78,7 +80,7 @@ std::map<std::int64_t, Junction> find_junctions(const std::vector<RoadChain>& ch
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const std::size_t count = chains[c].nodes.size() - (chains[c].closed ? 1 : 0);  // the last node repeats the first
     for (std::size_t i = 0; i < count; ++i)
-      if (const auto id = chains[c].nodes[i].osm_node; id > 0) junctions[id].incidences.push_back({c, i});
+      if (const auto id = chains[c].nodes[i].osm_node; is_osm_node(id)) junctions[id].incidences.push_back({c, i});
   }
   std::erase_if(junctions, [](const auto& item) { return item.second.incidences.size() < 2; });
   return junctions;

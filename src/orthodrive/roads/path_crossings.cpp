@@ -5,13 +5,14 @@
 #include <utility>
 
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive {
 namespace {
 
 bool share_node(const RoadNode& a0, const RoadNode& a1, const RoadNode& b0, const RoadNode& b1) {
   const auto is_end_of_b = [&](const RoadNode& a) {
-    return a.osm_node > 0 && (a.osm_node == b0.osm_node || a.osm_node == b1.osm_node);
+    return is_osm_node(a.osm_node) && (a.osm_node == b0.osm_node || a.osm_node == b1.osm_node);
   };
   return is_end_of_b(a0) || is_end_of_b(a1);
 }

@@ -3,6 +3,8 @@
 
 #include <map>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -41,7 +43,7 @@ std::vector<PathJunction> find_junctions(const RoadNetwork& roads, const PathLin
     std::vector<Vec2> along;
     for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n) {
       const RoadNode& node = roads.paths[p].nodes[n];
-      if (node.osm_node <= 0 || visits[node.osm_node] < 2 || (is_repeated(p, n) && !is_end(p, n))) continue;
+      if (!is_osm_node(node.osm_node) || visits[node.osm_node] < 2 || (is_repeated(p, n) && !is_end(p, n))) continue;
       if (along.empty()) along = tangents(centerline(roads.paths[p]));
       const auto link = is_end(p, n) ? links.find(end_of(p, n)) : links.end();
       PathJunction& junction = found.try_emplace(node.osm_node, PathJunction{node.osm_node, node.p, {}}).first->second;

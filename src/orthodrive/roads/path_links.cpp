@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/ring_paths.hpp"
 
 namespace orthodrive {
@@ -29,9 +30,9 @@ PathLinks link_path_ends(const RoadNetwork& roads, const ContinuationRule& rule)
   std::map<std::int64_t, int> visits;  // of paths that begin, end or pass
   for (std::size_t p = 0; p < roads.paths.size(); ++p) {
     for (const bool at_back : {false, true})
-      if (const auto id = node_of(roads, {p, at_back}).osm_node; id > 0) ends_at[id].push_back({p, at_back});
+      if (const auto id = node_of(roads, {p, at_back}).osm_node; is_osm_node(id)) ends_at[id].push_back({p, at_back});
     for (const RoadNode& node : roads.paths[p].nodes)
-      if (node.osm_node > 0) ++visits[node.osm_node];
+      if (is_osm_node(node.osm_node)) ++visits[node.osm_node];
   }
   const std::vector<int> ring = rings_of_paths(roads);
   PathLinks links;

@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_crossings.hpp"
 #include "orthodrive/roads/path_links.hpp"
 #include "orthodrive/roads/ring_paths.hpp"
@@ -80,14 +81,15 @@ RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::ma
     append(nodes.front().p);
     for (std::size_t begin = 0; begin + 1 < nodes.size();) {  // from kept node to kept node
       std::size_t end = begin + 1;
-      while (end + 1 < nodes.size() && !(nodes[end].osm_node > 0 && incidences.at(nodes[end].osm_node) > 1)) ++end;
+      while (end + 1 < nodes.size() && !(is_osm_node(nodes[end].osm_node) && incidences.at(nodes[end].osm_node) > 1))
+        ++end;
       Polyline part;
       for (std::size_t i = begin; i <= end; ++i) part.push_back(nodes[i].p), append(nodes[i].p);
       const std::vector<double> s = arc_lengths_m(part);
       const int steps = std::max(1, static_cast<int>(std::lround(s.back() / options.spacing_m)));
       for (int step = 1; step <= steps; ++step)
         chain.nodes.push_back({.base = point_along(part, s, s.back() * step / steps, false),
-                               .osm_node = step == steps ? nodes[end].osm_node : 0,
+                               .osm_node = step == steps ? nodes[end].osm_node : no_osm_node,
                                .input_width_m = nodes[begin].width_m,
                                .width_sigma_m = sigma_share * nodes[begin].width_m});
       begin = end;
@@ -129,7 +131,7 @@ std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& 
   std::map<std::int64_t, int> incidences;
   for (const RoadPath& path : osm.paths)
     for (const RoadNode& node : path.nodes)
-      if (node.osm_node > 0) ++incidences[node.osm_node];
+      if (is_osm_node(node.osm_node)) ++incidences[node.osm_node];
   const Rings rings(osm);
   std::vector<RoadChain> chains;
   for (const PathChain& paths : chain_paths(osm, link_path_ends(osm)))
@@ -193,7 +195,7 @@ void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
     for (std::size_t i = 0; i < chains[c].nodes.size(); ++i) {
       const ChainNode& node = chains[c].nodes[i];
       if (chains[c].closed && i + 1 == chains[c].nodes.size()) continue;
-      if (node.osm_node > 0) junctions[node.osm_node].push_back({c, i, node.input_width_m});
+      if (is_osm_node(node.osm_node)) junctions[node.osm_node].push_back({c, i, node.input_width_m});
     }
   for (const auto& [id, incidences] : junctions)
     for (const Incidence& own : incidences)

@@ -12,6 +12,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/elevate/banking/fit_banking.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive {
@@ -81,7 +82,8 @@ std::vector<std::vector<BankedMeeting>> find_banked_meetings(const RoadNetwork& 
   std::map<std::int64_t, std::vector<StationOfNode>> at_node;
   for (std::size_t p = 0; p < roads.paths.size(); ++p)
     for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n)
-      if (const auto id = roads.paths[p].nodes[n].osm_node; id > 0) at_node[id].push_back(network.of_node[p][n]);
+      if (const auto id = roads.paths[p].nodes[n].osm_node; is_osm_node(id))
+        at_node[id].push_back(network.of_node[p][n]);
   std::vector<std::vector<BankedMeeting>> meetings(network.chains.size());
   for (const auto& [id, places] : at_node) {
     const StationOfNode main = *std::min_element(

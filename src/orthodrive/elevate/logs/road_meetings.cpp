@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+
 namespace orthodrive::elevate {
 namespace {
 
@@ -18,7 +20,7 @@ Meetings find_meetings(const RoadNetwork& roads, const LogChains& chains) {
   Meetings all;
   for (std::size_t k = 0; k < roads.paths.size(); ++k)
     for (std::size_t n = 0; n < roads.paths[k].nodes.size(); ++n)
-      if (const RoadNode& node = roads.paths[k].nodes[n]; node.osm_node > 0)
+      if (const RoadNode& node = roads.paths[k].nodes[n]; is_osm_node(node.osm_node))
         all[node.osm_node].push_back({k, n, chains.chain_of[k], chains.along_m(k, node.s_m)});
   std::erase_if(all, [](const auto& entry) { return entry.second.size() < 2; });
   return all;

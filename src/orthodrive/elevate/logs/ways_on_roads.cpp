@@ -8,6 +8,8 @@
 #include <queue>
 #include <utility>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+
 namespace orthodrive::elevate {
 namespace {
 
@@ -25,11 +27,11 @@ WaysOnRoads::WaysOnRoads(const RoadNetwork& roads) : roads_(roads), stops_(roads
   std::map<std::int64_t, int> uses;
   for (const RoadPath& path : roads.paths)
     for (const RoadNode& node : path.nodes)
-      if (node.osm_node > 0) ++uses[node.osm_node];
+      if (is_osm_node(node.osm_node)) ++uses[node.osm_node];
   std::map<std::int64_t, std::size_t> vertex_of;
   for (std::size_t k = 0; k < roads.paths.size(); ++k)
     for (const RoadNode& node : roads.paths[k].nodes) {
-      if (node.osm_node <= 0 || uses[node.osm_node] < 2) continue;
+      if (!is_osm_node(node.osm_node) || uses[node.osm_node] < 2) continue;
       const auto [at, fresh] = vertex_of.emplace(node.osm_node, vertex_of.size());
       if (fresh) visits_.emplace_back();
       visits_[at->second].push_back({k, stops_[k].size()});

@@ -9,6 +9,7 @@
 
 #include "orthodrive/geo/segment.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::elevate {
 namespace {
@@ -66,7 +67,7 @@ std::vector<Candidate> candidates_of(const RoadNetwork& roads, const SegmentInde
 /// Roads that meet near the point have one height there, whatever their layers.
 bool meet_near(const RoadPath& a, const RoadPath& b, Vec2 p) {
   for (const RoadNode& node : a.nodes)
-    if (node.osm_node > 0 && distance(node.p, p) < no_meeting_m)
+    if (is_osm_node(node.osm_node) && distance(node.p, p) < no_meeting_m)
       for (const RoadNode& other : b.nodes)
         if (other.osm_node == node.osm_node) return true;
   return false;

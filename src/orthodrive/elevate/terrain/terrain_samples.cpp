@@ -12,6 +12,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/model/roads/design_limits.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::elevate {
 namespace {
@@ -69,7 +70,7 @@ void leave_out_structures(const RoadNetwork& roads, const std::vector<Span>& spa
     if (!path.bridge && !path.tunnel) continue;
     for (TerrainSample& sample : terrain.of_node[k]) sample.is_road = false;
     for (const RoadNode* end : {&path.nodes.front(), &path.nodes.back()})
-      if (end->osm_node > 0) ends.insert(end->osm_node);
+      if (is_osm_node(end->osm_node)) ends.insert(end->osm_node);
   }
   const auto leave_out = [&](std::size_t k, const std::vector<double>& s, double at_m, double half_m) {
     for (std::size_t n = 0; n < s.size(); ++n)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_crossings.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
@@ -68,7 +69,7 @@ void measure_steps(const RoadNetwork& roads, const ScoreRegion& region, ProfileS
   std::map<std::int64_t, Range> at;
   for (const RoadPath& path : roads.paths)
     for (const RoadNode& node : path.nodes) {
-      if (node.osm_node <= 0 || std::isnan(node.z_m) || !region.contains(node.p)) continue;
+      if (!is_osm_node(node.osm_node) || std::isnan(node.z_m) || !region.contains(node.p)) continue;
       Range& range = at[node.osm_node];
       range = {std::min(range.low_m, node.z_m), std::max(range.high_m, node.z_m), node.p};
     }

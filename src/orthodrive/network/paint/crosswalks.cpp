@@ -9,6 +9,7 @@
 #include <set>
 
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/junctions/road_cover.hpp"
 #include "roadquery/junction_surface.hpp"
 
@@ -124,7 +125,7 @@ void add_crosswalks(const NetworkPlan& plan, const std::vector<int>& straight, R
     for (std::size_t i = 0; i < path.nodes.size(); ++i) {
       const RoadNode& node = path.nodes[i];
       const auto crossing = crossings.find(node.osm_node);
-      if (node.osm_node == 0 || crossing == crossings.end() || !done.insert(node.osm_node).second) continue;
+      if (!is_osm_node(node.osm_node) || crossing == crossings.end() || !done.insert(node.osm_node).second) continue;
       const auto find = [&](const auto& accept) {
         return finder.find(node.p, direction_at(path, i), [&](const Road& road) {
           return road.layer == path.layer && !road.sections.empty() && accept(road);

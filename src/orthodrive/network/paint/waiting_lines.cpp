@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
 #include "roadquery/road_surface.hpp"
@@ -49,12 +50,12 @@ class Signs {
       const RoadNode& node = path.nodes[static_cast<std::size_t>(i)];
       const double away_m = std::abs(node.s_m - node_at->s_m);
       // A sign without a direction is the nearer junction's.
-      if (found && found->direction == 0 && node.osm_node != 0 && junctions_.contains(node.osm_node))
+      if (found && found->direction == 0 && is_osm_node(node.osm_node) && junctions_.contains(node.osm_node))
         return away_m - found_m < found_m ? nullptr : found;
-      if (node.osm_node != 0 && junctions_.contains(node.osm_node)) break;
+      if (is_osm_node(node.osm_node) && junctions_.contains(node.osm_node)) break;
       if (found ? found->direction != 0 || away_m > 2.0 * found_m : away_m > sign_reach_m) break;
       const auto signs = at_node_.find(node.osm_node);
-      if (found || node.osm_node == 0 || signs == at_node_.end()) continue;
+      if (found || !is_osm_node(node.osm_node) || signs == at_node_.end()) continue;
       for (const NodeSign& sign : signs->second)
         if (sign.direction == 0 || (sign.direction > 0) == along) found = &sign, found_m = away_m;
     }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_crossings.hpp"
 #include "roadquery/blend.hpp"
 
@@ -46,7 +47,7 @@ std::set<std::int64_t> nodes_near(const RoadPath& path, std::size_t segment, dou
   const double s = mix(path.nodes[segment].s_m, path.nodes[segment + 1].s_m, fraction);
   std::set<std::int64_t> ids;
   for (const RoadNode& node : path.nodes)
-    if (node.osm_node > 0 && std::abs(node.s_m - s) <= reach_m) ids.insert(node.osm_node);
+    if (is_osm_node(node.osm_node) && std::abs(node.s_m - s) <= reach_m) ids.insert(node.osm_node);
   return ids;
 }
 
@@ -72,7 +73,7 @@ bool is_level(const RoadNetwork& roads, const PathCrossing& crossing) {
 
 void insert(RoadPath& path, const Insertion& at) {
   const auto near = [&](const RoadNode& node) {
-    return node.osm_node == 0 && distance(node.p, at.node.p) < same_place_m;
+    return !is_osm_node(node.osm_node) && distance(node.p, at.node.p) < same_place_m;
   };
   RoadNode &before = path.nodes[at.segment], &after = path.nodes[at.segment + 1];
   if (near(before))

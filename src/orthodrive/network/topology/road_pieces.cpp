@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "orthodrive/core/median.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/roads/continuation.hpp"
 
@@ -21,10 +22,10 @@ struct VertexTable {
   Table<VertexIndex, Vertex>& vertices;
 
   VertexIndex find_or_add(std::int64_t osm_node) {
-    if (osm_node > 0)
+    if (is_osm_node(osm_node))
       if (const auto it = of_osm_node.find(osm_node); it != of_osm_node.end()) return it->second;
     const VertexIndex index = vertices.push_back({.osm_node = osm_node});
-    if (osm_node > 0) of_osm_node[osm_node] = index;
+    if (is_osm_node(osm_node)) of_osm_node[osm_node] = index;
     return index;
   }
 };
@@ -32,9 +33,9 @@ struct VertexTable {
 std::map<std::int64_t, int> count_visits(const RoadNetwork& roads) {
   std::map<std::int64_t, int> visits;
   for (const RoadPath& path : roads.paths) {
-    std::int64_t previous = 0;
+    std::int64_t previous = no_osm_node;
     for (const RoadNode& node : path.nodes) {
-      if (node.osm_node > 0 && node.osm_node != previous) ++visits[node.osm_node];
+      if (is_osm_node(node.osm_node) && node.osm_node != previous) ++visits[node.osm_node];
       previous = node.osm_node;
     }
   }
@@ -55,8 +56,8 @@ RoadPieces split_paths(const RoadNetwork& roads) {
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       const RoadNode& node = nodes[i];
       const bool last = i + 1 == nodes.size();
-      const bool repeated = node.osm_node > 0 && node.osm_node == nodes[i - 1].osm_node;
-      const bool shared = node.osm_node > 0 && visits.at(node.osm_node) > 1 && !repeated;
+      const bool repeated = is_osm_node(node.osm_node) && node.osm_node == nodes[i - 1].osm_node;
+      const bool shared = is_osm_node(node.osm_node) && visits.at(node.osm_node) > 1 && !repeated;
       if (!last && !shared) continue;
       const VertexIndex vertex = last && closed ? start : table.find_or_add(node.osm_node);
       result.pieces.push_back({p, first, i, first_vertex, vertex});
