@@ -75,6 +75,27 @@ TEST(OsmTags, layers_of_bridges_and_tunnels) {
   EXPECT_FALSE(io::way_attributes({{"highway", "primary"}, {"bridge", "no"}}).path.bridge);
 }
 
+TEST(OsmTags, what_only_looks_like_a_bridge_or_tunnel_lies_on_the_ground) {
+  const auto path = [](const char* key, const char* value, const char* layer = "") {
+    io::OsmTags tags{{"highway", "service"}, {key, value}};
+    if (*layer) tags["layer"] = layer;
+    return io::way_attributes(tags).path;
+  };
+  for (const char* roof : {"building_passage", "avalanche_protector", "covered", "culvert", "no"}) {
+    EXPECT_FALSE(path("tunnel", roof).tunnel) << roof;
+    EXPECT_EQ(path("tunnel", roof).layer, 0) << roof;
+  }
+  EXPECT_EQ(path("tunnel", "building_passage", "-1").layer, 0);
+  EXPECT_FALSE(path("covered", "yes").tunnel);
+  for (const char* tunnel : {"yes", "underpass", "1"}) EXPECT_TRUE(path("tunnel", tunnel).tunnel) << tunnel;
+  for (const char* flat : {"low_water_crossing", "boardwalk", "no"}) {
+    EXPECT_FALSE(path("bridge", flat).bridge) << flat;
+    EXPECT_EQ(path("bridge", flat).layer, 0) << flat;
+  }
+  for (const char* bridge : {"yes", "viaduct", "movable", "aqueduct", "covered", "cantilever", "trestle"})
+    EXPECT_TRUE(path("bridge", bridge).bridge) << bridge;
+}
+
 TEST(OsmTags, speeds) {
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("50"), 50.0);
   EXPECT_NEAR(io::parse_speed_kmh("30 mph"), 48.28032, 1e-9);

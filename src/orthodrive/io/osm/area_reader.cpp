@@ -103,7 +103,7 @@ RelationParts read_parts(const fs::path& path, std::int64_t id) {
       parts.ways.add_item(way);
       parts.ways.commit();
       ++parts.found_ways;
-      for (const osmium::NodeRef& node : way.nodes()) parts.nodes.emplace(node.ref(), osmium::Location{});
+      for (const osmium::NodeRef& node : way.nodes()) parts.nodes.emplace(node.ref(), node.location());
     }
   });
   read_osm_buffers(path, osmium::osm_entity_bits::node, [&](const osmium::memory::Buffer& buffer) {

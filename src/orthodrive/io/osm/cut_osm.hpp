@@ -17,8 +17,8 @@ struct CutOsm {
 
 /// Writes TO (.osm.pbf or .osm) of the nodes in the box, the ways with one of them with all their nodes, the
 /// multipolygons of these with all their ways, and other relations of these. Without who edited when. Same input, same
-/// bytes. Memory: one bit a possible id. Throws InputError for what is no OSM file, is not sorted by type, or has
-/// nothing in the box.
+/// bytes. The order of the objects in FROM does not matter. Memory: one bit for each possible id. Throws InputError for
+/// what is no OSM file or has nothing in the box.
 CutOsm cut_osm(const std::filesystem::path& from, const std::filesystem::path& to, const Box2& lonlat);
 
 }  // namespace orthodrive::io

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <osmium/area/assembler.hpp>
 #include <osmium/area/multipolygon_manager.hpp>
-#include <osmium/handler/node_locations_for_ways.hpp>
+#include <osmium/handler.hpp>
 #include <osmium/index/map/flex_mem.hpp>
 #include <osmium/osm/area.hpp>
 #include <osmium/visitor.hpp>
@@ -49,12 +49,19 @@ class LineHandler : public osmium::handler::Handler {
                          object_kind(tags_of(node.tags()));
     if (!is_read) return;
     const Vec2 at = transform_.target_from_source({node.location().lon(), node.location().lat()});
-    features_.push_back({.points = {at}, .tags = tags_of(node.tags())});
+    features_.push_back({.points = {at},
+                         .tags = tags_of(node.tags()),
+                         .osm_id = "node/" + std::to_string(node.id()),
+                         .osm_version = node.version()});
   }
   void way(const osmium::Way& way) {
     if (way.tags().empty() || way.nodes().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
     Polyline line = line_of(way.nodes(), transform_);
-    if (line.size() >= 2) features_.push_back({.lines = {std::move(line)}, .tags = tags_of(way.tags())});
+    if (line.size() >= 2)
+      features_.push_back({.lines = {std::move(line)},
+                           .tags = tags_of(way.tags()),
+                           .osm_id = "way/" + std::to_string(way.id()),
+                           .osm_version = way.version()});
   }
 
  private:
@@ -62,9 +69,37 @@ class LineHandler : public osmium::handler::Handler {
   const CoordinateTransform& transform_;
 };
 
+/// Puts places into the nodes of ways. Nodes come first; places that stand in the way itself (`out geom`) stay where
+/// the file has no node. What extracts cut stays without a place: what is left of such ways is used.
+class PlaceHandler : public osmium::handler::Handler {
+ public:
+  void node(const osmium::Node& node) {
+    if (node.id() < 0)
+      negative_.set(static_cast<osmium::unsigned_object_id_type>(-node.id()), node.location());
+    else
+      positive_.set(node.positive_id(), node.location());
+    is_sorted_ = false;
+  }
+  void way(osmium::Way& way) {
+    if (!is_sorted_) positive_.sort(), negative_.sort(), is_sorted_ = true;
+    for (osmium::NodeRef& ref : way.nodes()) {
+      const osmium::Location known =
+          ref.ref() < 0 ? negative_.get_noexcept(static_cast<osmium::unsigned_object_id_type>(-ref.ref()))
+                        : positive_.get_noexcept(ref.positive_ref());
+      if (known.valid()) ref.set_location(known);
+    }
+  }
+
+ private:
+  using Index = osmium::index::map::FlexMem<osmium::unsigned_object_id_type, osmium::Location>;
+  Index positive_, negative_;
+  bool is_sorted_ = true;
+};
+
 Feature feature_of(const osmium::Area& area, const CoordinateTransform& transform) {
   Feature feature{.tags = tags_of(area.tags()),
-                  .osm_id = (area.from_way() ? "way/" : "relation/") + std::to_string(area.orig_id())};
+                  .osm_id = (area.from_way() ? "way/" : "relation/") + std::to_string(area.orig_id()),
+                  .osm_version = area.version()};
   for (const osmium::OuterRing& outer : area.outer_rings()) {
     Polygon polygon{ring_of(outer, transform), {}};
     for (const osmium::InnerRing& inner : area.inner_rings(outer)) polygon.holes.push_back(ring_of(inner, transform));
@@ -75,7 +110,6 @@ Feature feature_of(const osmium::Area& area, const CoordinateTransform& transfor
 }  // namespace
 
 std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs) {
-  using Index = osmium::index::map::FlexMem<osmium::unsigned_object_id_type, osmium::Location>;
   return with_osm_errors(path, [&] {
     osmium::area::MultipolygonManager<osmium::area::Assembler> polygons{osmium::area::Assembler::config_type{}};
     read_osm_buffers(path, osmium::osm_entity_bits::relation,
@@ -84,18 +118,16 @@ std::vector<Feature> read_osm_features(const std::filesystem::path& path, const 
 
     const CoordinateTransform transform(Crs{"EPSG:4326"}, target_crs);
     std::vector<Feature> features;
-    Index index;
-    osmium::handler::NodeLocationsForWays locations(index);
-    locations.ignore_errors();  // extracts cut ways: what is left of them is used
+    PlaceHandler places;
     LineHandler lines(features, transform);
     auto& second_pass = polygons.handler([&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Area& area : buffer.select<osmium::Area>())
         if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags())))
           features.push_back(feature_of(area, transform));
     });
-    read_osm_buffers(path, osmium::osm_entity_bits::nwr, [&](osmium::memory::Buffer& buffer) {
+    read_osm_sorted(path, [&](osmium::memory::Buffer& buffer) {
       for (osmium::OSMEntity& entity : buffer.select<osmium::OSMEntity>())
-        osmium::apply_item(entity, locations, lines, second_pass);
+        osmium::apply_item(entity, places, lines, second_pass);
     });
     second_pass.flush();
     return features;

@@ -5,15 +5,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <osmium/osm/node.hpp>
 #include <osmium/osm/relation.hpp>
 #include <osmium/osm/way.hpp>
 #include <set>
+#include <span>
 #include <string_view>
 
+#include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 #include "orthodrive/io/osm/turning_places.hpp"
@@ -21,115 +24,216 @@
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/io/support/osm_support.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::io {
 namespace {
-struct DrivableWay {
-  std::int64_t id = 0;
-  WayAttributes attributes;
-  std::vector<std::int64_t> nodes;
-};
+using Files = std::vector<std::filesystem::path>;
 
-std::vector<DrivableWay> read_ways(const std::filesystem::path& path) {
-  std::vector<DrivableWay> ways;
-  read_osm_buffers(path, osmium::osm_entity_bits::way, [&](const osmium::memory::Buffer& buffer) {
-    for (const osmium::Way& way : buffer.select<osmium::Way>()) {
-      const char* highway = way.tags().get_value_by_key("highway");
-      if (!highway || !is_drivable(highway) || way.tags().has_tag("area", "yes")) continue;
-      DrivableWay& road = ways.emplace_back(DrivableWay{way.id(), way_attributes(tags_of(way.tags())), {}});
-      for (const osmium::NodeRef& node : way.nodes()) road.nodes.push_back(node.ref());
-      if (road.attributes.reversed) std::reverse(road.nodes.begin(), road.nodes.end());
-    }
-  });
-  std::stable_sort(ways.begin(), ways.end(), [](const DrivableWay& a, const DrivableWay& b) { return a.id < b.id; });
-  return ways;
+/// OSM has no object 0, some converters write one: in roads 0 means none.
+constexpr std::int64_t stand_in_for_0 = -(std::int64_t{1} << 53) + 1;
+std::int64_t road_node(osmium::object_id_type id) { return id == no_osm_node ? stand_in_for_0 : id; }
+
+Vec2 lonlat_of(const osmium::Location& place) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  return place.valid() ? Vec2{place.lon(), place.lat()} : Vec2{nan, nan};
 }
 
-/// Turns that relations forbid, or the only ones they allow. Those that count for lorries or buses alone, exempt cars
-/// or go over a way instead of a node are passed over.
-std::vector<TurnRestriction> read_restrictions(const std::filesystem::path& path) {
-  std::vector<TurnRestriction> restrictions;
-  read_osm_buffers(path, osmium::osm_entity_bits::relation, [&](const osmium::memory::Buffer& buffer) {
-    for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
-      const osmium::TagList& tags = relation.tags();
-      if (!tags.has_tag("type", "restriction")) continue;
-      const char* kind = tags.get_value_by_key("restriction:motorcar");
-      if (!kind) kind = tags.get_value_by_key("restriction", "");
-      const bool only = std::string_view(kind).starts_with("only_"), no = std::string_view(kind).starts_with("no_");
-      const std::string_view except = tags.get_value_by_key("except", "");
-      if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos)
-        continue;
-      std::vector<std::int64_t> from, via, to;
-      for (const osmium::RelationMember& member : relation.members()) {
-        const std::string_view role = member.role();
-        if (member.type() == osmium::item_type::way && role == "from") from.push_back(member.ref());
-        if (member.type() == osmium::item_type::node && role == "via") via.push_back(member.ref());
-        if (member.type() == osmium::item_type::way && role == "to") to.push_back(member.ref());
-      }
-      if (via.size() != 1) continue;
-      for (const std::int64_t a : from)
-        for (const std::int64_t b : to) restrictions.push_back({a, via.front(), b, only});
+struct DrivableWay {
+  std::int64_t id = 0;
+  osmium::object_version_type version = 0;
+  WayAttributes attributes;
+  std::vector<std::int64_t> nodes;
+  Ring lonlat;  ///< of the nodes, where the way itself tells (`out geom`); NaN else
+};
+
+void read_ways(const std::filesystem::path& path, std::vector<DrivableWay>& ways) {
+  read_osm_buffers(path, osmium::osm_entity_bits::way, [&](const osmium::memory::Buffer& buffer) {
+    for (const osmium::Way& way : buffer.select<osmium::Way>()) {
+      if (!has_road_tags(way.tags())) continue;
+      DrivableWay road{way.id(), way.version(), way_attributes(tags_of(way.tags())), {}, {}};
+      if (!road.attributes.omitted && !is_drivable(road.attributes.path.highway)) continue;
+      for (const osmium::NodeRef& node : way.nodes())
+        road.nodes.push_back(road_node(node.ref())), road.lonlat.push_back(lonlat_of(node.location()));
+      if (road.attributes.reversed)
+        std::reverse(road.nodes.begin(), road.nodes.end()), std::reverse(road.lonlat.begin(), road.lonlat.end());
+      ways.push_back(std::move(road));
     }
   });
+}
+
+/// Takes `other`, a half of the same way from another extract, into `way` where they overlap: the one holds the other,
+/// or the nodes at the end of the one are those at the beginning of the other. False where they do not.
+bool join_halves(DrivableWay& way, const DrivableWay& other) {
+  const auto holds = [](const DrivableWay& a, const DrivableWay& b) {
+    return std::search(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end()) != a.nodes.end();
+  };
+  if (other.nodes.empty() || holds(way, other)) return true;
+  if (way.nodes.empty() || holds(other, way)) {
+    way.nodes = other.nodes, way.lonlat = other.lonlat;
+    return true;
+  }
+  const auto append = [](DrivableWay& front, const DrivableWay& back) {
+    for (std::size_t n = std::min(front.nodes.size(), back.nodes.size()) - 1; n > 0; --n) {
+      if (!std::equal(front.nodes.end() - static_cast<std::ptrdiff_t>(n), front.nodes.end(), back.nodes.begin()))
+        continue;
+      front.nodes.insert(front.nodes.end(), back.nodes.begin() + static_cast<std::ptrdiff_t>(n), back.nodes.end());
+      front.lonlat.insert(front.lonlat.end(), back.lonlat.begin() + static_cast<std::ptrdiff_t>(n), back.lonlat.end());
+      return true;
+    }
+    return false;
+  };
+  if (append(way, other)) return true;
+  DrivableWay front = other;
+  if (!append(front, way)) return false;
+  way.nodes = std::move(front.nodes), way.lonlat = std::move(front.lonlat);
+  return true;
+}
+
+/// Each way once, by id: the latest version, of equal ones the first. Halves of a way that extracts cut are joined;
+/// those without a common node stay beside each other.
+std::vector<DrivableWay> unique_ways(std::vector<DrivableWay> ways) {
+  std::stable_sort(ways.begin(), ways.end(), [](const DrivableWay& a, const DrivableWay& b) {
+    return a.id != b.id ? a.id < b.id : a.version > b.version;
+  });
+  std::vector<DrivableWay> unique;
+  for (DrivableWay& way : ways) {
+    const auto same =
+        std::find_if(unique.rbegin(), unique.rend(), [&](const DrivableWay& w) { return w.id != way.id; });
+    const auto first = same.base();  // of the ways with this id
+    if (first != unique.end() && first->version != way.version) continue;
+    if (std::none_of(first, unique.end(), [&](DrivableWay& known) { return join_halves(known, way); }))
+      unique.push_back(std::move(way));
+  }
+  return unique;
+}
+
+/// Turns that a relation forbids, or the only ones it allows; none of those that count for lorries or buses alone,
+/// exempt cars or go over a way instead of a node.
+std::vector<TurnRestriction> restrictions_of(const osmium::Relation& relation) {
+  const osmium::TagList& tags = relation.tags();
+  if (!tags.has_tag("type", "restriction")) return {};
+  const char* kind = tags.get_value_by_key("restriction:motorcar");
+  if (!kind) kind = tags.get_value_by_key("restriction", "");
+  const bool only = std::string_view(kind).starts_with("only_"), no = std::string_view(kind).starts_with("no_");
+  const std::string_view except = tags.get_value_by_key("except", "");
+  if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos)
+    return {};
+  std::vector<std::int64_t> from, via, to;
+  for (const osmium::RelationMember& member : relation.members()) {
+    const std::string_view role = member.role();
+    if (member.type() == osmium::item_type::way && role == "from") from.push_back(member.ref());
+    if (member.type() == osmium::item_type::node && role == "via") via.push_back(road_node(member.ref()));
+    if (member.type() == osmium::item_type::way && role == "to") to.push_back(member.ref());
+  }
+  if (via.size() != 1) return {};
+  std::vector<TurnRestriction> restrictions;
+  for (const std::int64_t a : from)
+    for (const std::int64_t b : to) restrictions.push_back({a, via.front(), b, only});
   return restrictions;
 }
 
-/// Where the nodes of the ways lie, in the site CRS; NaN for nodes that the file lacks.
+std::vector<TurnRestriction> read_restrictions(const Files& files) {
+  struct Known {
+    osmium::object_version_type version = 0;
+    std::vector<TurnRestriction> restrictions;
+  };
+  std::vector<Known> known;
+  std::map<std::int64_t, std::size_t> index;
+  for (const std::filesystem::path& path : files)
+    read_osm_buffers(path, osmium::osm_entity_bits::relation, [&](const osmium::memory::Buffer& buffer) {
+      for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
+        const auto [at, is_new] = index.emplace(relation.id(), known.size());
+        if (is_new)
+          known.push_back({relation.version(), restrictions_of(relation)});
+        else if (known[at->second].version < relation.version())
+          known[at->second] = {relation.version(), restrictions_of(relation)};
+      }
+    });
+  std::vector<TurnRestriction> restrictions;
+  for (const Known& relation : known)
+    restrictions.insert(restrictions.end(), relation.restrictions.begin(), relation.restrictions.end());
+  return restrictions;
+}
+
+/// Where the nodes of the ways lie, in degrees; NaN for nodes that the files lack.
 class NodePlaces {
  public:
   explicit NodePlaces(const std::vector<DrivableWay>& ways) {
     for (const DrivableWay& way : ways) ids_.insert(ids_.end(), way.nodes.begin(), way.nodes.end());
     std::sort(ids_.begin(), ids_.end());
     ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    lonlat_.assign(ids_.size(), {nan, nan});
+    nodes_.resize(ids_.size());
+    for (const DrivableWay& way : ways)
+      for (std::size_t i = 0; i < way.nodes.size(); ++i)
+        if (!std::isnan(way.lonlat[i].x)) nodes_[index_of(way.nodes[i])].lonlat = way.lonlat[i];
   }
+  /// The latest version of a node counts, of equal ones the first.
   void read(const std::filesystem::path& path) {
     read_osm_buffers(path, osmium::osm_entity_bits::node, [&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Node& node : buffer.select<osmium::Node>()) {
-        const auto it = std::lower_bound(ids_.begin(), ids_.end(), node.id());
-        if (it == ids_.end() || *it != node.id() || !node.location().valid()) continue;
-        if (!node.tags().empty()) read_tags(node.id(), tags_of(node.tags()));
-        lonlat_[static_cast<std::size_t>(it - ids_.begin())] = {node.location().lon(), node.location().lat()};
+        const std::int64_t id = road_node(node.id());
+        const auto it = std::lower_bound(ids_.begin(), ids_.end(), id);
+        if (it == ids_.end() || *it != id || !node.location().valid()) continue;
+        Known& known = nodes_[static_cast<std::size_t>(it - ids_.begin())];
+        if (known.is_read && known.version >= node.version()) continue;
+        known = {lonlat_of(node.location()), node.version(), true, {}, {}, {}};
+        if (!node.tags().empty()) read_tags(id, tags_of(node.tags()), known);
       }
     });
   }
-  [[nodiscard]] Vec2 lonlat(std::int64_t id) const {
-    return lonlat_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin())];
-  }
+  [[nodiscard]] Vec2 lonlat(std::int64_t id) const { return nodes_[index_of(id)].lonlat; }
   /// Of the nodes of the ways, sorted; their directions are the paths'.
   [[nodiscard]] std::vector<NodeSign> signs(const std::vector<DrivableWay>& ways) const {
     std::set<std::int64_t> turned;
     for (const DrivableWay& way : ways)
       if (way.attributes.reversed) turned.insert(way.nodes.begin(), way.nodes.end());
-    std::vector<NodeSign> result = signs_;
+    std::vector<NodeSign> result;
+    for (const Known& node : nodes_) result.insert(result.end(), node.signs.begin(), node.signs.end());
     for (NodeSign& sign : result)
       if (turned.contains(sign.osm_node)) sign.direction = -sign.direction;
     std::ranges::stable_sort(result, {}, [](const NodeSign& sign) { return std::pair(sign.osm_node, sign.kind); });
     return result;
   }
-  [[nodiscard]] const std::vector<TurningPlace>& turning_places() const { return turning_places_; }
-  /// Tags of the nodes that are not read.
-  [[nodiscard]] const std::vector<std::pair<std::int64_t, UnreadTag>>& unread() const { return unread_; }
-  [[nodiscard]] Box2 bounds() const {
+  [[nodiscard]] std::vector<TurningPlace> turning_places() const {
+    std::vector<TurningPlace> places;
+    for (const Known& node : nodes_)
+      if (node.turning) places.push_back(*node.turning);
+    return places;
+  }
+  /// Tags of the node that are not read; empty for a node that no way has.
+  [[nodiscard]] std::span<const UnreadTag> unread(std::int64_t id) const {
+    const std::size_t i = index_of(id);
+    return i < ids_.size() && ids_[i] == id ? std::span<const UnreadTag>(nodes_[i].unread)
+                                            : std::span<const UnreadTag>();
+  }
+  /// Of the nodes that have a place; empty where none has.
+  [[nodiscard]] Ring known() const {
     Ring known;
-    for (const Vec2 p : lonlat_)
-      if (!std::isnan(p.x)) known.push_back(p);
-    return bounds_of(known);
+    for (const Known& node : nodes_)
+      if (!std::isnan(node.lonlat.x)) known.push_back(node.lonlat);
+    return known;
   }
 
  private:
-  void read_tags(std::int64_t id, const OsmTags& tags) {
-    std::ranges::move(node_signs(id, tags), std::back_inserter(signs_));
-    if (const auto place = turning_place(id, tags)) turning_places_.push_back(*place);
-    for (UnreadTag& tag : unread_tags(tags, TaggedObject::node)) unread_.emplace_back(id, std::move(tag));
+  struct Known {
+    Vec2 lonlat{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    osmium::object_version_type version = 0;
+    bool is_read = false;
+    std::vector<NodeSign> signs;
+    std::optional<TurningPlace> turning;
+    std::vector<UnreadTag> unread;
+  };
+  static void read_tags(std::int64_t id, const OsmTags& tags, Known& known) {
+    known.signs = node_signs(id, tags);
+    known.turning = turning_place(id, tags);
+    known.unread = unread_tags(tags, TaggedObject::node);
   }
-
+  [[nodiscard]] std::size_t index_of(std::int64_t id) const {
+    return static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
+  }
   std::vector<std::int64_t> ids_;
-  std::vector<Vec2> lonlat_;
-  std::vector<NodeSign> signs_;
-  std::vector<TurningPlace> turning_places_;
-  std::vector<std::pair<std::int64_t, UnreadTag>> unread_;
+  std::vector<Known> nodes_;
 };
 
 /// How often tags are met that are not read, and where first.
@@ -158,13 +262,13 @@ class UnreadTags {
 };
 
 /// Those of nodes that are on the roads, each once.
-void add_unread_of_nodes(const NodePlaces& places, const RoadNetwork& roads, UnreadTags& unread) {
+void add_unread_of_nodes(const NodePlaces& places, const std::vector<RoadPath>& paths, UnreadTags& unread) {
   std::map<std::int64_t, Vec2> place_of;
-  for (const RoadPath& path : roads.paths)
+  for (const RoadPath& path : paths)
     for (const RoadNode& node : path.nodes)
-      if (node.osm_node != 0) place_of.emplace(node.osm_node, node.p);
-  for (const auto& [id, tag] : places.unread())
-    if (const auto at = place_of.find(id); at != place_of.end()) unread.add(tag.tag, tag.reason, at->second);
+      if (node.osm_node != no_osm_node) place_of.emplace(node.osm_node, node.p);
+  for (const auto& [id, place] : place_of)
+    for (const UnreadTag& tag : places.unread(id)) unread.add(tag.tag, tag.reason, place);
 }
 
 /// Nodes in a row that have a place; a node that the file lacks (extracts cut ways) splits the way.
@@ -219,62 +323,121 @@ RoadPath make_path(const DrivableWay& way, int part, const NodeRun& run, const s
   for (const ClippedPoint& point : piece) {
     const double s_m = path.nodes.empty() ? 0.0 : path.nodes.back().s_m + distance(path.nodes.back().p, point.p);
     path.nodes.push_back({.p = point.p,
-                          .osm_node = point.vertex ? run.nodes[*point.vertex] : 0,
+                          .osm_node = point.vertex ? run.nodes[*point.vertex] : no_osm_node,
                           .s_m = s_m,
                           .width_m = way.attributes.width_m});
   }
   return path;
 }
-}  // namespace
 
-RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site, Findings* findings) {
-  constexpr double min_piece_m = 0.1;  // what is left where a way only touches the border
-  return with_osm_errors(path, [&] {
-    const std::vector<DrivableWay> ways = read_ways(path);
-    NodePlaces places(ways);
-    places.read(path);
-    const CoordinateTransform site_from_lonlat(Crs{"EPSG:4326"}, site.crs);
-    const Box2 area_lonlat = lonlat_bounds(site.area.outer, site.crs);
-    RoadNetwork roads{.crs = site.crs};
-    UnreadTags unread;
-    for (const DrivableWay& way : ways) {
-      int part = 0;
-      const auto report = [&](const char* code, const std::string& what, Vec2 where) {
-        if (findings && contains(site.area, where))
-          findings->push_back({Severity::warning, code, fmt::format("way {}: {}", way.id, what), where.x, where.y});
-      };
-      for (const NodeRun& run : located_runs(way, places, area_lonlat, site_from_lonlat, report))
-        for (const auto& piece : clip_line(run.line, site.area)) {
-          RoadPath road = make_path(way, part, run, piece);
-          if (road.nodes.back().s_m < min_piece_m) continue;
-          for (const std::string& tag : part == 0 ? way.attributes.odd : std::vector<std::string>{})
+/// Throws where nothing was found: says why, and where the roads of the files lie.
+void check_roads(const std::string& names, const std::vector<DrivableWay>& ways, const NodePlaces& places,
+                 const Box2& area_lonlat, const RoadNetwork& roads) {
+  if (std::ranges::all_of(ways, [](const DrivableWay& way) { return way.attributes.omitted.has_value(); }))
+    throw InputError(names,
+                     "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");
+  const Ring known = places.known();
+  if (known.empty())
+    throw InputError(names,
+                     "has roads but no nodes, so that nothing tells where they lie; ask Overpass for them with "
+                     "`out body; >; out skel qt;` or `out geom;`");
+  if (roads.paths.empty())
+    throw InputError(
+        names,
+        fmt::format("has no roads in the area: its roads lie in {}, the area is {}; take another extract or area",
+                    describe_lonlat(bounds_of(known)), describe_lonlat(area_lonlat)));
+}
+
+/// Cuts ways at the area and where nodes are missing, and reports what is odd about them.
+class PathMaker {
+ public:
+  PathMaker(const SiteFrame& site, const NodePlaces& places, Findings* findings)
+      : site_(site),
+        places_(places),
+        findings_(findings),
+        site_from_lonlat_(Crs{"EPSG:4326"}, site.crs),
+        area_lonlat_(lonlat_bounds(site.area.outer, site.crs)) {}
+
+  /// Parts of one way are counted over all that belong to it.
+  void add(const DrivableWay& way, std::vector<RoadPath>& paths) {
+    constexpr double min_piece_m = 0.1;  // what is left where a way only touches the border
+    if (way.id != id_) part_ = 0, id_ = way.id;
+    const auto report = [&](const char* code, const std::string& what, Vec2 where) {
+      push(way, Severity::warning, code, what, where);
+    };
+    const auto& omitted = way.attributes.omitted;
+    const auto quiet = [](const char*, const std::string&, Vec2) {};
+    const std::vector<NodeRun> runs = omitted ? located_runs(way, places_, area_lonlat_, site_from_lonlat_, quiet)
+                                              : located_runs(way, places_, area_lonlat_, site_from_lonlat_, report);
+    for (const NodeRun& run : runs)
+      for (const auto& piece : clip_line(run.line, site_.area)) {
+        RoadPath road = make_path(way, part_, run, piece);
+        if (road.nodes.back().s_m < min_piece_m) continue;
+        const Vec2 middle = road.nodes[road.nodes.size() / 2].p;
+        if (omitted) return push(way, omitted->severity, omitted->code, omitted->why, middle);
+        if (part_ == 0) {
+          for (const std::string& tag : way.attributes.odd)
             report("osm.odd_tag",
                    fmt::format("{} is no number above 0, took {:.1f} m as the width", tag, way.attributes.width_m),
-                   road.nodes[road.nodes.size() / 2].p);
-          for (const std::string& what : part == 0 ? way.attributes.doubts : std::vector<std::string>{})
-            report("osm.lane_tags", what, road.nodes[road.nodes.size() / 2].p);
-          if (part == 0)
-            for (const auto& [tag, reason] : way.attributes.unread)
-              unread.add(tag, reason, road.nodes[road.nodes.size() / 2].p);
-          roads.paths.push_back(std::move(road));
-          ++part;
+                   middle);
+          for (const std::string& what : way.attributes.doubts) report("osm.lane_tags", what, middle);
+          for (const auto& [tag, reason] : way.attributes.unread) unread_.add(tag, reason, middle);
         }
-    }
-    roads.restrictions = read_restrictions(path);
-    roads.signs = places.signs(ways);
-    add_unread_of_nodes(places, roads, unread);
-    if (findings) unread.report(*findings);
-    widen_at(places.turning_places(), site.area, roads);
-    if (ways.empty())
-      throw InputError(path.string(),
-                       "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");
-    if (roads.paths.empty())
-      throw InputError(
-          path.string(),
-          fmt::format("has no roads in the area: its roads lie in {}, the area is {}; take another extract or area",
-                      describe_lonlat(places.bounds()), describe_lonlat(area_lonlat)));
-    return roads;
-  });
+        paths.push_back(std::move(road));
+        ++part_;
+      }
+  }
+  [[nodiscard]] const Box2& area_lonlat() const { return area_lonlat_; }
+  /// Reports the tags that were met and are not read, of the ways and of the nodes on the roads.
+  void report_unread(const std::vector<RoadPath>& paths) {
+    if (!findings_) return;
+    add_unread_of_nodes(places_, paths, unread_);
+    unread_.report(*findings_);
+  }
+
+ private:
+  void push(const DrivableWay& way, Severity severity, const char* code, const std::string& what, Vec2 where) {
+    if (findings_ && contains(site_.area, where))
+      findings_->push_back({severity, code, fmt::format("way {}: {}", way.id, what), where.x, where.y});
+  }
+
+  const SiteFrame& site_;
+  const NodePlaces& places_;
+  Findings* findings_;
+  CoordinateTransform site_from_lonlat_;
+  Box2 area_lonlat_;
+  UnreadTags unread_;
+  std::int64_t id_ = 0;
+  int part_ = 0;
+};
+
+template <typename F>
+void for_each_file(const Files& files, F&& read) {
+  for (const std::filesystem::path& path : files) with_osm_errors(path, [&] { read(path); });
+}
+}  // namespace
+
+RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site, Findings* findings) {
+  std::vector<DrivableWay> ways;
+  for_each_file(files, [&](const std::filesystem::path& path) { read_ways(path, ways); });
+  ways = unique_ways(std::move(ways));
+  NodePlaces places(ways);
+  for_each_file(files, [&](const std::filesystem::path& path) { places.read(path); });
+  RoadNetwork roads{.crs = site.crs};
+  PathMaker maker(site, places, findings);
+  for (const DrivableWay& way : ways) maker.add(way, roads.paths);
+  std::string names;
+  for (const std::filesystem::path& path : files) names += (names.empty() ? "" : ", ") + path.string();
+  check_roads(names, ways, places, maker.area_lonlat(), roads);
+  roads.restrictions = read_restrictions(files);
+  roads.signs = places.signs(ways);
+  maker.report_unread(roads.paths);
+  widen_at(places.turning_places(), site.area, roads);
+  return roads;
+}
+
+RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site, Findings* findings) {
+  return read_osm_roads(std::vector{path}, site, findings);
 }
 
 }  // namespace orthodrive::io

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/io/osm/lane_use.hpp"
+#include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 
 namespace orthodrive::io {
@@ -24,7 +25,6 @@ int parse_int(const std::string& text, int otherwise) {
   return failed == std::errc() && stopped == end ? value : otherwise;
 }
 
-bool is_set(const std::string& value) { return !value.empty() && value != "no"; }
 }  // namespace
 
 double parse_width_m(const std::string& text) {
@@ -75,9 +75,7 @@ WayAttributes way_attributes(const OsmTags& tags) {
   RoadPath& path = way.path;
   path.highway = tag_value(tags, "highway");
   path.name = tag_value(tags, "name");
-  path.bridge = is_set(tag_value(tags, "bridge"));
-  path.tunnel = is_set(tag_value(tags, "tunnel"));
-  path.layer = parse_int(tag_value(tags, "layer"), path.bridge ? 1 : path.tunnel ? -1 : 0);
+  read_structure_tags(tags, way);
   path.lanes = std::max(0, parse_int(tag_value(tags, "lanes"), 0));
   const std::string junction = tag_value(tags, "junction"), oneway = tag_value(tags, "oneway");
   path.roundabout = junction == "roundabout" || junction == "circular";

@@ -3,15 +3,24 @@
 // What the tags of a road say, as numbers. https://wiki.openstreetmap.org/wiki/Key:width and neighbours.
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "orthodrive/core/finding.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
 
 namespace orthodrive::io {
 
 using OsmTags = std::map<std::string, std::string>;
+
+/// Why a way with the tags of a road is left out.
+struct OmittedWay {
+  Severity severity = Severity::info;
+  const char* code = "";
+  std::string why;
+};
 
 /// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft"; 0 when it cannot be read or is not positive.
 [[nodiscard]] double parse_width_m(const std::string& text);
@@ -23,6 +32,7 @@ using OsmTags = std::map<std::string, std::string>;
 /// The attributes of a way (osm_id, part and nodes stay empty). `reversed` when oneway=-1 turns its nodes round.
 struct WayAttributes {
   RoadPath path;
+  std::optional<OmittedWay> omitted;  ///< the way is no road that one drives on today, or none that can be built
   bool reversed = false;
   double width_m = 0.0;          ///< tag, else default_width_m
   std::vector<std::string> odd;  ///< tags that say no number, as "width=wide"; they count as absent

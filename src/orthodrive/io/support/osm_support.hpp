@@ -10,12 +10,16 @@
 #include <osmium/io/any_input.hpp>
 #include <osmium/memory/buffer.hpp>
 #include <osmium/osm/object.hpp>
+#include <osmium/osm/object_comparisons.hpp>
 #include <osmium/osm/tag.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/io/support/osm_text.hpp"
 
 namespace orthodrive::io {
 
@@ -48,20 +52,83 @@ inline void check_tags(const osmium::OSMObject& object) {
 /// and 64 of memory; a file that was made to exhaust the memory unpacks to ten thousand times its size.
 constexpr std::uintmax_t most_expansion = 1000, expansion_slack_bytes = std::uintmax_t{256} << 20;
 
-/// Reads the nodes, ways or relations of a file; `use` gets each buffer once its tags are known to be sound.
+/// The files of one source that libosmium's own parsers read: PBF, O5M, OPL.
+template <typename F>
+void read_osm_binary(const std::filesystem::path& path, osmium::osm_entity_bits::type entities, F&& use) {
+  osmium::io::Reader reader(path.string(), entities);
+  if (reader.header().has_multiple_object_versions())
+    throw InputError(path.string(),
+                     "holds the history or changes of its objects, not a map; take a snapshot: osmium time-filter");
+  while (osmium::memory::Buffer buffer = reader.read()) use(buffer);
+  reader.close();
+}
+
+/// Reads the nodes, ways or relations of a file, in its order; `use` gets each buffer once its tags are known to be
+/// sound. Deleted objects are not there.
 template <typename F>
 void read_osm_buffers(const std::filesystem::path& path, osmium::osm_entity_bits::type entities, F&& use) {
-  osmium::io::Reader reader(path.string(), entities);
   const std::uintmax_t most_bytes = most_expansion * std::filesystem::file_size(path) + expansion_slack_bytes;
   std::uintmax_t bytes = 0;
-  while (osmium::memory::Buffer buffer = reader.read()) {
+  const auto checked = [&](osmium::memory::Buffer& buffer) {
     bytes += buffer.committed();
     if (bytes > most_bytes)
       throw std::runtime_error(fmt::format("it unpacks to more than {} times its size", most_expansion));
-    for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) check_tags(object);
+    bool has_deleted = false;
+    for (osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) {
+      check_tags(object);
+      if (object.visible()) continue;
+      object.set_removed(true);
+      has_deleted = true;
+    }
+    if (has_deleted) buffer.purge_removed();
     use(buffer);
+  };
+  const OsmSyntax syntax = osm_syntax(path);
+  if (syntax == OsmSyntax::binary)
+    read_osm_binary(path, entities, checked);
+  else
+    read_osm_text(path, syntax, entities, checked);
+}
+
+/// Nodes, ways, then relations, each by id (osmium::id_order) and once: the latest version, of equal ones the first.
+/// A file that is sorted is read in pieces, another one as a whole.
+template <typename F>
+void read_osm_sorted(const std::filesystem::path& path, F&& use) {
+  const auto precedes = [](const osmium::OSMObject& a, const osmium::OSMObject& b) {
+    if (a.type() != b.type()) return a.type() < b.type();
+    return osmium::id_order{}(a.id(), b.id());
+  };
+  bool is_sorted = true;
+  osmium::memory::Buffer last{1024, osmium::memory::Buffer::auto_grow::yes};
+  const auto nwr = osmium::osm_entity_bits::nwr;
+  read_osm_buffers(path, nwr, [&](const osmium::memory::Buffer& buffer) {
+    const osmium::OSMObject* before = last.committed() > 0 ? &last.get<osmium::OSMObject>(0) : nullptr;
+    for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) {
+      is_sorted = is_sorted && (!before || precedes(*before, object));
+      before = &object;
+    }
+    if (!before || buffer.committed() == 0) return;
+    osmium::memory::Buffer kept{1024, osmium::memory::Buffer::auto_grow::yes};
+    kept.add_item(*before), kept.commit();
+    last = std::move(kept);
+  });
+  if (is_sorted) return read_osm_buffers(path, nwr, use);
+  osmium::memory::Buffer all{1 << 20, osmium::memory::Buffer::auto_grow::yes},
+      sorted{1 << 20, osmium::memory::Buffer::auto_grow::yes};
+  read_osm_buffers(path, nwr, [&](const osmium::memory::Buffer& buffer) { all.add_buffer(buffer), all.commit(); });
+  std::vector<const osmium::OSMObject*> objects;
+  for (const osmium::OSMObject& object : all.select<osmium::OSMObject>()) objects.push_back(&object);
+  std::stable_sort(objects.begin(), objects.end(), [&](const osmium::OSMObject* a, const osmium::OSMObject* b) {
+    if (precedes(*a, *b) || precedes(*b, *a)) return precedes(*a, *b);
+    return a->version() > b->version();
+  });
+  const osmium::OSMObject* before = nullptr;
+  for (const osmium::OSMObject* object : objects) {
+    if (before && !precedes(*before, *object)) continue;
+    sorted.add_item(*object), sorted.commit();
+    before = object;
   }
-  reader.close();
+  use(sorted);
 }
 
 [[nodiscard]] inline std::map<std::string, std::string> tags_of(const osmium::TagList& list) {

@@ -2,6 +2,7 @@
 #pragma once
 // Vectors: OSM, GeoPackage, GeoJSON <-> model.
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -15,15 +16,19 @@
 
 namespace orthodrive::io {
 
-/// Drivable ways (model/roads/road_network.hpp: is_drivable; not area=yes) of a .osm / .osm.pbf, clipped to the area.
+/// Drivable ways (model/roads/road_network.hpp: is_drivable) of OSM files (.osm, .osm.pbf, Overpass JSON), clipped to
+/// the area. An object that is in several files counts once: its latest version, of equal ones that of the first file;
+/// halves of a way that extracts cut are joined. Objects may stand in any order.
 /// Nodes carry their OSM id, width_m = width tag (metres) or default_width_m, offset 0. Where a way leaves the area it
-/// is cut (osm_node 0 there) and its pieces are counted. Sorted by osm_id, then part. layer defaults to 1 for bridge,
-/// -1 for tunnel. Throws InputError for a missing or truncated file and when no road lies in the area (says where the
-/// file's roads lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
-/// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
-/// lanes and speed that contradict each other or cannot be read, with what was taken), "osm.tag_not_read" (for each tag
-/// and value that the table of tag_rules lists as not read). Turn restrictions come along. Turning circles and passing
-/// places widen their roads.
+/// is cut (no_osm_node there) and its pieces are counted. Sorted by osm_id, then part. Throws InputError for a missing
+/// or truncated file and when no road lies in the area (says where the roads lie). Findings: "osm.odd_tag" (width=wide,
+/// lanes=0: the default counts), "osm.doubled_nodes" (dropped), "osm.missing_node" (the way is cut there),
+/// "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of lanes and speed that contradict each other
+/// or cannot be read, with what was taken), "osm.tag_not_read" (for each tag and value that tag_rules lists as not
+/// read), and the codes of omitted ways (osm_structure_tags.hpp). Turn restrictions and signs at nodes come along.
+/// Turning circles and passing places widen their roads.
+[[nodiscard]] RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
+                                         Findings* findings = nullptr);
 [[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site,
                                          Findings* findings = nullptr);
 
@@ -33,9 +38,13 @@ struct Feature {
   std::vector<Polyline> lines;
   std::vector<Vec2> points;
   std::map<std::string, std::string> tags;
-  std::string osm_id;  ///< of areas: "way/123", "relation/45"; empty: not of OSM
+  std::string osm_id;  ///< "node/1", "way/123", "relation/45"; empty: not of OSM
+  std::uint32_t osm_version = 0;
 };
 [[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
+/// Of several files, in their order. An object of OSM that is in several of them counts once, in its latest version.
+[[nodiscard]] std::vector<Feature> read_features(const std::vector<std::filesystem::path>& files,
+                                                 const Crs& target_crs);
 /// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree,
 /// highway=street_lamp or what object_kind() knows.
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);

@@ -128,26 +128,24 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
                                      Findings* findings) {
   const Box2 area = bounds_of(site.area.outer);
   std::vector<Building> buildings;
-  for (const std::filesystem::path& file : files) {
-    for (Feature& feature : read_features(file, site.crs)) {
-      const std::string* part = tag(feature.tags, {"building:part"});
-      const std::string* use = tag(feature.tags, {"building", "t"});
-      const bool is_part = (!use || *use == "no") && part && *part != "no";
-      if (is_part) use = part;
-      if (!use || *use == "no") continue;
-      for (Polygon& polygon : feature.polygons) {
-        if (polygon.outer.size() < 3) continue;
-        const Box2 box = bounds_of(polygon.outer);
-        if (box.max_x < area.min_x || box.min_x > area.max_x || box.max_y < area.min_y || box.min_y > area.max_y)
-          continue;
-        const BuildingTags tags(feature.tags, polygon.outer.front(), findings);
-        Building building{.footprint = std::move(polygon), .use = *use, .is_part = is_part, .osm_id = feature.osm_id};
-        building.has_walls = *use != "roof" && *use != "carport" && tags.text("wall") != "no";
-        read_heights(tags, building);
-        read_roof(tags, building);
-        read_colors(tags, building);
-        buildings.push_back(std::move(building));
-      }
+  for (Feature& feature : read_features(files, site.crs)) {
+    const std::string* part = tag(feature.tags, {"building:part"});
+    const std::string* use = tag(feature.tags, {"building", "t"});
+    const bool is_part = (!use || *use == "no") && part && *part != "no";
+    if (is_part) use = part;
+    if (!use || *use == "no") continue;
+    for (Polygon& polygon : feature.polygons) {
+      if (polygon.outer.size() < 3) continue;
+      const Box2 box = bounds_of(polygon.outer);
+      if (box.max_x < area.min_x || box.min_x > area.max_x || box.max_y < area.min_y || box.min_y > area.max_y)
+        continue;
+      const BuildingTags tags(feature.tags, polygon.outer.front(), findings);
+      Building building{.footprint = std::move(polygon), .use = *use, .is_part = is_part, .osm_id = feature.osm_id};
+      building.has_walls = *use != "roof" && *use != "carport" && tags.text("wall") != "no";
+      read_heights(tags, building);
+      read_roof(tags, building);
+      read_colors(tags, building);
+      buildings.push_back(std::move(building));
     }
   }
   return buildings;

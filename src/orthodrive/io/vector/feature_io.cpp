@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/geojson_support.hpp"
@@ -17,7 +19,11 @@ namespace fs = std::filesystem;
 namespace {
 bool is_osm(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name.find(".osm") != std::string::npos || name.ends_with(".pbf");
+  if (name.find(".osm") != std::string::npos || name.ends_with(".pbf")) return true;
+  if (!name.ends_with(".json")) return false;
+  std::string head(2000, '\0');  // the JSON of Overpass is no GeoJSON
+  std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.find("\"osm3s\"") != head.npos || head.find("\"elements\"") != head.npos;
 }
 
 std::map<std::string, std::string> tags_of(const OGRFeature& feature) {
@@ -61,6 +67,23 @@ std::vector<Feature> read_features(const fs::path& path, const Crs& target_crs) 
   if (errors.any())
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return features;
+}
+
+std::vector<Feature> read_features(const std::vector<fs::path>& files, const Crs& target_crs) {
+  std::vector<Feature> all;
+  std::unordered_map<std::string, std::size_t> known;
+  for (const fs::path& file : files)
+    for (Feature& feature : read_features(file, target_crs)) {
+      if (!feature.osm_id.empty()) {
+        const auto [at, is_new] = known.emplace(feature.osm_id, all.size());
+        if (!is_new) {
+          if (all[at->second].osm_version < feature.osm_version) all[at->second] = std::move(feature);
+          continue;
+        }
+      }
+      all.push_back(std::move(feature));
+    }
+  return all;
 }
 
 namespace {

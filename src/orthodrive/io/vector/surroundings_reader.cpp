@@ -197,8 +197,7 @@ class Collector {
 MapSurroundings read_surroundings(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
                                   Findings* findings) {
   Collector collector(site, findings);
-  for (const std::filesystem::path& file : files)
-    for (Feature& feature : read_features(file, site.crs)) collector.add(feature);
+  for (Feature& feature : read_features(files, site.crs)) collector.add(feature);
   return std::move(collector.result);
 }
 

@@ -34,16 +34,14 @@ void add_row(const Polyline& line, const SiteFrame& site, std::vector<Vec2>& tre
 
 std::vector<Vec2> read_trees(const std::vector<std::filesystem::path>& files, const SiteFrame& site) {
   std::vector<Vec2> trees;
-  for (const std::filesystem::path& file : files) {
-    for (const Feature& feature : read_features(file, site.crs)) {
-      const auto natural = feature.tags.find("natural");
-      const bool tree = natural != feature.tags.end() && natural->second == "tree";
-      if (tree || has_no_tags(feature))
-        for (const Vec2 p : feature.points)
-          if (contains(site.area, p)) trees.push_back(p);
-      if (natural != feature.tags.end() && natural->second == "tree_row")
-        for (const Polyline& line : feature.lines) add_row(line, site, trees);
-    }
+  for (const Feature& feature : read_features(files, site.crs)) {
+    const auto natural = feature.tags.find("natural");
+    const bool tree = natural != feature.tags.end() && natural->second == "tree";
+    if (tree || has_no_tags(feature))
+      for (const Vec2 p : feature.points)
+        if (contains(site.area, p)) trees.push_back(p);
+    if (natural != feature.tags.end() && natural->second == "tree_row")
+      for (const Polyline& line : feature.lines) add_row(line, site, trees);
   }
   return trees;
 }
