@@ -40,6 +40,7 @@ template <class End>
       chain.closed = true;
       return chain;
     }
+    if (chain.entries.size() > links.size()) return chain;  // links that are no pairs
     chain.entries.push_back(next->second);
   }
 }
@@ -49,9 +50,10 @@ template <class End>
 template <class End>
 [[nodiscard]] End begin_of_chain(const EndLinks<End>& links, End own_first) {
   End entry = own_first;
+  std::size_t steps = 0;
   for (auto previous = links.find(entry); previous != links.end(); previous = links.find(entry)) {
     entry = other_end(previous->second);
-    if (entry == own_first) break;
+    if (entry == own_first || ++steps > links.size()) break;
   }
   return entry;
 }

@@ -11,6 +11,7 @@
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/roads/cut_corners.hpp"
+#include "orthodrive/roads/join_places.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -18,17 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 OsmRoads read_all_osm(const Sources::Files& files, const SiteFrame& site) {
   OsmRoads all;
-  for (const fs::path& file : files) {
-    RoadNetwork roads = io::read_osm_roads(file, site, &all.findings);
-    all.roads.crs = roads.crs;
-    std::move(roads.paths.begin(), roads.paths.end(), std::back_inserter(all.roads.paths));
-  }
-  std::vector<RoadPath>& paths = all.roads.paths;
-  std::stable_sort(paths.begin(), paths.end(),
-                   [](const RoadPath& a, const RoadPath& b) { return a.osm_id < b.osm_id; });
-  for (std::size_t i = 1; i < paths.size(); ++i)
-    if (paths[i].osm_id == paths[i - 1].osm_id && paths[i].part == paths[i - 1].part)
-      throw OptionError(fmt::format("sources.osm: way {} is in two of the files, keep one", paths[i].osm_id));
+  if (files.empty()) return all;
+  all.roads = io::read_osm_roads(files, site, &all.findings);
+  join_places(all.roads, all.findings);
   cut_at_corners(all.roads);
   return all;
 }

@@ -33,7 +33,7 @@ struct Terrain {
 class Sources {
  public:
   using Files = std::vector<std::filesystem::path>;
-  /// Throws OptionError for a way that is in two of the files.
+  /// What is in several of the files counts once (io::read_osm_roads); nodes in one place are one (join_places).
   const OsmRoads& osm(const Files& files, const SiteFrame& site);
   const io::GpxTraces& gpx(const Files& files, const SiteFrame& site);
   const io::DriveLogs& drive_logs(const Files& files, const SiteFrame& site);
