@@ -39,7 +39,7 @@ std::vector<OpenRing> find_open_rings(const RoadNetwork& roads) {
     const RoadPath& path = roads.paths[i];
     if (!is_tagged_ring(path)) continue;
     for (const RoadNode& node : path.nodes)
-      if (node.osm_node != no_osm_node) ++visits[node.osm_node];
+      if (is_osm_node(node.osm_node)) ++visits[node.osm_node];
     starts_at.emplace(path.nodes.front().osm_node, i);
   }
   const auto is_loose = [&](std::int64_t node) { return node > 0 && visits.at(node) == 1; };
