@@ -179,6 +179,27 @@ TEST(EstimateProfiles, clearance_that_cannot_be_made_is_reported) {
     for (const RoadNode& node : path.nodes) EXPECT_TRUE(std::isfinite(node.z_m) && std::abs(node.z_m - 30.0) < 1.0);
 }
 
+TEST(EstimateProfiles, double_decks_keep_their_clearance_along_their_length) {
+  // Two bridges of 100 m over a valley, one above the other, each with ramps of its own.
+  std::vector<RoadPath> paths;
+  for (const int deck : {0, 1}) {
+    const double y = 2.0 * deck;
+    const std::int64_t n = 10 * deck;
+    paths.push_back(make_path(n + 1, {0, y + 40.0 * deck}, {200, y}, n + 1, n + 2));
+    paths.push_back(make_path(n + 2, {200, y}, {300, y}, n + 2, n + 3));
+    paths.back().bridge = true, paths.back().layer = 1 + deck;
+    paths.push_back(make_path(n + 3, {300, y}, {500, y + 40.0 * deck}, n + 3, n + 4));
+  }
+  const auto result = estimate_profiles(network(paths), {make_dtm([](double, double) { return 30.0; })});
+  const RoadPath &lower = result.roads.paths[1], &upper = result.roads.paths[4];
+  double least_m = 100.0;
+  for (std::size_t n = 5; n + 5 < upper.nodes.size(); ++n)
+    least_m = std::min(least_m, upper.nodes[n].z_m - lower.nodes[n].z_m);
+  const std::set<std::string> told = codes(result.findings);
+  EXPECT_TRUE(least_m > 4.6 || told.contains("elevate.low_clearance")) << least_m;
+  EXPECT_GT(least_m, 4.0) << "the ramps are long enough";
+}
+
 TEST(EstimateProfiles, a_tunnel_ignores_the_hill_and_passes_below_its_road) {
   RoadPath tunnel = make_path(2, {150, 0}, {250, 0}, 2, 3);
   tunnel.tunnel = true, tunnel.layer = -1;

@@ -106,6 +106,37 @@ TEST(GradeSeparations, roads_that_meet_within_50_m_along_the_network_overlap_onl
   EXPECT_FALSE(tagged.levels[0].has_room) << "tagged, but no ramp gains the clearance on so little";
 }
 
+TEST(GradeSeparations, decks_above_each_other_are_found_along_their_length) {
+  RoadNetwork roads{test::road_crs,
+                    {straight_road(1, {0, 100}, {200, 100}, 1, 2), straight_road(2, {0, 103}, {200, 103}, 3, 4)}};
+  EXPECT_THAT(find(roads).levels, testing::IsEmpty()) << "one level";
+  roads.paths[0].bridge = roads.paths[1].bridge = true;
+  roads.paths[0].layer = 1, roads.paths[1].layer = 2;
+  const Found decks = find(roads);
+  ASSERT_EQ(decks.levels.size(), 21U) << "every 10 m";
+  for (const GradeSeparation& level : decks.levels) {
+    EXPECT_TRUE(level.is_along && level.has_room && level.raise && !level.untagged);
+    EXPECT_EQ(level.upper(), 1U);
+  }
+  roads.paths[1] = straight_road(2, {0, 106.5}, {200, 106.5}, 3, 4);
+  roads.paths[1].layer = 2;
+  EXPECT_THAT(find(roads).levels, testing::IsEmpty()) << "beside each other";
+}
+
+TEST(GradeSeparations, a_tunnel_under_a_street_gives_way_and_roads_that_part_do_not) {
+  RoadNetwork roads{test::road_crs,
+                    {straight_road(1, {0, 100}, {200, 100}, 1, 2), straight_road(2, {0, 102}, {200, 102}, 3, 4)}};
+  roads.paths[1].tunnel = true, roads.paths[1].layer = -1;
+  const Found street = find(roads);
+  ASSERT_EQ(street.levels.size(), 21U);
+  EXPECT_FALSE(street.levels[0].raise);
+  EXPECT_EQ(street.levels[0].upper(), 0U);
+  // A slip road leaves a bridge at 4 degrees: the carriageways overlap for 70 m.
+  roads.paths = {straight_road(1, {0, 100}, {200, 100}, 1, 2), straight_road(2, {0, 100}, {199.5, 114}, 1, 4)};
+  roads.paths[0].bridge = true, roads.paths[0].layer = 1;
+  EXPECT_THAT(find(roads).levels, testing::IsEmpty());
+}
+
 TEST(TerrainSamples, the_first_model_with_a_height_counts) {
   const RoadNetwork roads{test::road_crs, {straight_road(1, {0, 100}, {200, 100})}};
   HeightGrid fine = test::terrain_grid([](double, double) { return 10.0; }, 2.0);

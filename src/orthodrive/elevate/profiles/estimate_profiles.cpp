@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "orthodrive/baselines/reference_heights.hpp"
 #include "orthodrive/core/error.hpp"
@@ -207,15 +209,25 @@ std::vector<HeightLimit> solve_network(const std::vector<GradeSeparation>& level
 
 void report_clearance(const RoadNetwork& roads, const std::vector<GradeSeparation>& levels,
                       const NetworkProfiles& profiles, double clearance_m, Findings& findings) {
+  const auto tell = [&](const GradeSeparation& level, double room) {
+    findings.push_back(
+        {Severity::warning, "elevate.low_clearance",
+         fmt::format("way {} passes {:.1f} m over way {}{}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id,
+                     room, roads.paths[level.lower()].osm_id, level.is_along ? " along its length" : "", clearance_m),
+         level.crossing.p.x, level.crossing.p.y});
+  };
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<double, const GradeSeparation*>> lowest;  // along both ways
   for (const GradeSeparation& level : levels) {
     const double room = room_m(level, profiles);
     if (room >= clearance_m - clearance_tolerance_m) continue;
-    findings.push_back(
-        {Severity::warning, "elevate.low_clearance",
-         fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
-                     roads.paths[level.lower()].osm_id, clearance_m),
-         level.crossing.p.x, level.crossing.p.y});
+    if (!level.is_along) {
+      tell(level, room);
+      continue;
+    }
+    const auto at = lowest.try_emplace({level.upper(), level.lower()}, room, &level).first;
+    if (room < at->second.first) at->second = {room, &level};
   }
+  for (const auto& [ways, place] : lowest) tell(*place.second, place.first);
 }
 
 void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const ElevateOptions& options,

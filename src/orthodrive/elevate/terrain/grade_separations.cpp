@@ -10,11 +10,15 @@
 #include <queue>
 #include <set>
 
+#include "orthodrive/model/roads/osm_node_id.hpp"
+#include "orthodrive/roads/path_overlaps.hpp"
+
 namespace orthodrive::elevate {
 namespace {
 
-constexpr double meeting_m = 50.0;    // roads that meet this near cross because their lines overlap
-constexpr double overshoot_m = 5.0;   // beyond the half width: an end drawn across the road it should meet
+constexpr double meeting_m = 50.0;   // roads that meet this near cross because their lines overlap
+constexpr double overshoot_m = 5.0;  // beyond the half width: an end drawn across the road it should meet
+constexpr double parting_reach = 57.3, farthest_parting_m = 300.0;  // twice the cotangent of 2 degrees
 constexpr double clear_dip_m = 0.75;  // difference of two dips that decides: several sigma of a 10 m grid
 
 /// Where the shared nodes of the network are, and how far along the ways from each other.
@@ -25,7 +29,7 @@ class SharedNodes {
       s_.push_back(arc_lengths_m(centerline(roads.paths[k])));
       auto& on_path = of_path_.emplace_back();
       for (std::size_t n = 0; n < roads.paths[k].nodes.size(); ++n)
-        if (const std::int64_t id = roads.paths[k].nodes[n].osm_node; id > 0) {
+        if (const std::int64_t id = roads.paths[k].nodes[n].osm_node; is_osm_node(id)) {
           on_path.push_back({id, s_[k][n]});
           paths_at_[id].push_back(k);
         }
@@ -106,6 +110,21 @@ double half_width_m(const RoadPath& path, std::size_t segment) {
   return 0.5 * std::max(3.0, path.nodes[segment].width_m);
 }
 
+void add_overlaps(const RoadNetwork& roads, const SharedNodes& shared, std::vector<GradeSeparation>& levels) {
+  for (const PathOverlap& overlap : find_overlaps(roads)) {
+    const PathCrossing& at = overlap.at;
+    const double reach_m = std::clamp(parting_reach * overlap.distance_m, meeting_m, farthest_parting_m);
+    if (shared.meet_within(at.path_a, shared.s_m(at.path_a, at.segment_a, at.fraction_a), at.path_b,
+                           shared.s_m(at.path_b, at.segment_b, at.fraction_b), reach_m))
+      continue;
+    GradeSeparation level{.crossing = at, .a_is_above = overlap.a_is_above, .is_along = true};
+    const bool is_bridge = roads.paths[level.upper()].bridge, is_tunnel = roads.paths[level.lower()].tunnel;
+    level.raise = is_bridge || !is_tunnel;
+    level.has_room = is_bridge || is_tunnel;  // a layer alone is reported, and moves nothing
+    levels.push_back(level);
+  }
+}
+
 }  // namespace
 
 std::vector<GradeSeparation> find_grade_separations(const RoadNetwork& roads, const TerrainSamples& terrain,
@@ -165,6 +184,7 @@ std::vector<GradeSeparation> find_grade_separations(const RoadNetwork& roads, co
            crossing.p.x, crossing.p.y});
     levels.push_back(level);
   }
+  add_overlaps(roads, shared, levels);
   return levels;
 }
 

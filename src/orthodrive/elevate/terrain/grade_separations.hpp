@@ -18,6 +18,7 @@ struct GradeSeparation {
       true;  ///< the roads do not meet within 50 m along the network: no ramp gains the clearance on so little
   bool is_measured = false;  ///< a control point says how high: nothing is moved for the clearance
   bool untagged = false;     ///< the one that gives way is neither tagged as bridge nor as tunnel
+  bool is_along = false;     ///< a place where the roads lie above each other along their length
 
   [[nodiscard]] std::size_t upper() const { return a_is_above ? crossing.path_a : crossing.path_b; }
   [[nodiscard]] std::size_t lower() const { return a_is_above ? crossing.path_b : crossing.path_a; }
@@ -29,6 +30,8 @@ struct GradeSeparation {
 /// map merely lacks a node at: roads that meet within 50 m along the network (their lines overlap there); ends that
 /// reach over a road by no more than its half width and 5 m, and crossings of which neither tags nor terrain nor class
 /// show two levels (both "elevate.missing_junction").
+/// After them places every 10 m where carriageways of two layers lie above each other along their length (is_along),
+/// but for those of roads that part there (parting at 2 degrees or more, from a common node).
 [[nodiscard]] std::vector<GradeSeparation> find_grade_separations(const RoadNetwork& roads,
                                                                   const TerrainSamples& terrain, Findings& findings);
 
