@@ -369,6 +369,16 @@ TEST(Roundabout, is_told_by_its_form_and_sense) {
   EXPECT_EQ(rings(network_of(block), DrivingSide::right), 0) << "one-way streets round a block";
 }
 
+TEST(Roundabout, against_the_traffic_is_told) {
+  const auto told = [](const RoadNetwork& roads, DrivingSide driving_side) {
+    return findings_of(build_network(roads, {.driving_side = driving_side}), "network.roundabout_against_traffic");
+  };
+  EXPECT_EQ(told(ring_with_arms(true), DrivingSide::right), 0);
+  EXPECT_EQ(told(ring_with_arms(true), DrivingSide::left), 1);
+  EXPECT_EQ(told(ring_with_arms(true, 0.0, -1.0), DrivingSide::right), 1);
+  EXPECT_EQ(told(ring_with_arms(false), DrivingSide::left), 0) << "no roundabout by its tags";
+}
+
 TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
   const NetworkResult result = build_network(ring_with_arms(true, 0.5));
   EXPECT_EQ(findings_of(result, "network.roundabout_closed"), 1);

@@ -76,6 +76,18 @@ TEST(Topology, a_passing_way_is_cut_and_runs_on) {
   EXPECT_TRUE(findings.empty());
 }
 
+TEST(Topology, pieces_without_a_length_end_the_walk_round_a_ring) {
+  // One-way pieces between nodes of one place lead round and round beside the beginning; each loop is as short as none.
+  std::vector<RoadPath> paths{make_path({{-60, 0}, {0, 0}}, {1, 2}, {.osm_id = 1, .oneway = Oneway::forward})};
+  for (const auto& [from, to] : {std::pair{2, 3}, std::pair{3, 4}, std::pair{4, 3}, std::pair{4, 2}}) {
+    RoadPath path = make_path({{0, 0}, {1, 0}}, {from, to}, {.osm_id = 10 * from + to, .oneway = Oneway::forward});
+    for (RoadNode& node : path.nodes) node.p = site_origin, node.s_m = 0.0;
+    paths.push_back(path);
+  }
+  const auto [topology, findings] = build(paths);
+  for (const int ring : topology.ring_of_piece) EXPECT_EQ(ring, -1);
+}
+
 TEST(Topology, a_way_goes_before_a_straighter_other_one) {
   // The way bends by 30 degrees at the junction; another way would go straight on.
   const auto built =

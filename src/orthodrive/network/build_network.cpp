@@ -89,6 +89,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   progress(0.0);
   RoadNetwork roads = join_crossings(with_heights(input, result.findings), result.findings);
   roads = close_roundabouts(std::move(roads), result.findings);
+  report_turned_roundabouts(roads, options.driving_side, result.findings);
   roads = assume_roundabouts(std::move(roads), options.driving_side, result.findings);
   if (!has_oneway_tags(input)) roads = assume_carriageways(std::move(roads), options.driving_side, result.findings);
   roads = with_lane_room(std::move(roads), result.findings);

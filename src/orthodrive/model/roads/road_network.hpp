@@ -37,7 +37,7 @@ enum class BankingSource : std::int8_t {
 /// One place along a path.
 struct RoadNode {
   Vec2 p;                     ///< on the centre line of the carriageway, site CRS
-  std::int64_t osm_node = 0;  ///< 0: put in by resampling. Paths that share an id > 0 meet here
+  std::int64_t osm_node = 0;  ///< 0: put in by resampling (osm_node_id.hpp). Paths that share another id meet here
   double s_m = 0.0;           ///< along the path
   double offset_m = 0.0;      ///< of p from the OSM line, positive to the left of the path's direction
   double width_m = 0.0;       ///< of the carriageway (all lanes), symmetric about p

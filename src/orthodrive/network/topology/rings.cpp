@@ -140,7 +140,7 @@ std::vector<DirectedPiece> walk_round(const RoadNetwork& roads, const RoadPieces
     }
     if (!best.piece) return {};
     length += piece_length_m(best);
-    if (length > options.max_length_m) return {};
+    if (length > options.max_length_m || round.size() > pieces.pieces.size()) return {};  // pieces may have no length
     round.push_back(best);
   }
 }

@@ -11,8 +11,10 @@
 #include <utility>
 
 #include "orthodrive/geo/roundness.hpp"
+#include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/curves/fit_circle.hpp"
 #include "orthodrive/network/topology/rings.hpp"
+#include "orthodrive/roads/ring_paths.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -22,6 +24,7 @@ constexpr std::size_t min_assumed_arms = 3;
 constexpr double max_gap_share = 1.0 / 3.0;
 constexpr double max_circle_error = 0.15;  // of the radius: what is closed along a circle has to look like one
 constexpr double node_spacing_m = 2.0;
+constexpr double min_turned_roundness = 0.3;  // lenses and squares turn, too
 
 bool is_tagged_ring(const RoadPath& path) {
   return path.roundabout && path.oneway == Oneway::forward && path.nodes.size() >= 2;
@@ -42,7 +45,7 @@ std::vector<OpenRing> find_open_rings(const RoadNetwork& roads) {
       if (is_osm_node(node.osm_node)) ++visits[node.osm_node];
     starts_at.emplace(path.nodes.front().osm_node, i);
   }
-  const auto is_loose = [&](std::int64_t node) { return node > 0 && visits.at(node) == 1; };
+  const auto is_loose = [&](std::int64_t node) { return is_osm_node(node) && visits.at(node) == 1; };
   std::vector<OpenRing> found;
   for (std::size_t i = 0; i < roads.paths.size(); ++i) {
     if (!is_tagged_ring(roads.paths[i]) || !is_loose(roads.paths[i].nodes.front().osm_node)) continue;
@@ -50,7 +53,7 @@ std::vector<OpenRing> find_open_rings(const RoadNetwork& roads) {
     for (;;) {
       const std::int64_t end = roads.paths[ring.paths.back()].nodes.back().osm_node;
       const auto next = starts_at.find(end);
-      if (end <= 0 || next == starts_at.end() || ring.paths.size() > starts_at.size()) break;
+      if (!is_osm_node(end) || next == starts_at.end() || ring.paths.size() > starts_at.size()) break;
       ring.paths.push_back(next->second);
     }
     if (is_loose(roads.paths[ring.paths.back()].nodes.back().osm_node)) found.push_back(std::move(ring));
@@ -68,7 +71,7 @@ void close_along(const Circle& circle, double gap_rad, const RoadNode& first, Ro
     const double x = static_cast<double>(i) / steps, r = r0 + (r1 - r0) * x, a = a0 + gap_rad * x;
     RoadNode node = first;
     node.p = i == steps ? first.p : circle.center + Vec2{std::cos(a), std::sin(a)} * r;
-    node.osm_node = i == steps ? first.osm_node : 0;
+    node.osm_node = i == steps ? first.osm_node : no_osm_node;
     node.s_m = last.nodes.back().s_m + distance(last.nodes.back().p, node.p);
     node.width_m = from.width_m + (first.width_m - from.width_m) * x;
     node.z_m = from.z_m + (first.z_m - from.z_m) * x;
@@ -191,6 +194,43 @@ RoadNetwork close_roundabouts(RoadNetwork roads, Findings& findings) {
     close_along(*circle, turn * gap_rad, first, last);
   }
   return roads;
+}
+
+void report_turned_roundabouts(const RoadNetwork& roads, DrivingSide driving_side, Findings& findings) {
+  struct TaggedRing {
+    std::size_t first = 0;  // path
+    double length_m = 0.0;
+    Vec2 gap;  // from where its paths end to where they begin: none of a closed one
+    std::vector<std::size_t> paths;
+  };
+  const std::vector<int> ring_of = rings_of_paths(roads);
+  std::map<int, TaggedRing> rings;
+  for (std::size_t p = 0; p < roads.paths.size(); ++p) {
+    const RoadPath& path = roads.paths[p];
+    if (!is_tagged_ring(path) || ring_of[p] < 0) continue;
+    TaggedRing& ring = rings.try_emplace(ring_of[p], TaggedRing{.first = p}).first->second;
+    ring.paths.push_back(p);
+    ring.length_m += length_m(centerline(path));
+    ring.gap = ring.gap + (path.nodes.front().p - path.nodes.back().p);
+  }
+  for (const auto& [number, ring] : rings) {
+    if (length(ring.gap) > max_gap_share * ring.length_m) continue;
+    const Vec2 origin = roads.paths[ring.first].nodes.front().p;
+    double twice_area_m2 = 0.0;  // of a closed line the order of its pieces does not matter
+    for (const std::size_t p : ring.paths)
+      for (std::size_t i = 0; i + 1 < roads.paths[p].nodes.size(); ++i)
+        twice_area_m2 += cross(roads.paths[p].nodes[i].p - origin, roads.paths[p].nodes[i + 1].p - origin);
+    const double round = 2.0 * std::numbers::pi * twice_area_m2 / (ring.length_m * ring.length_m);
+    const bool is_left = driving_side == DrivingSide::left;
+    if ((is_left ? -round : round) > -min_turned_roundness) continue;
+    findings.push_back(
+        {Severity::warning, "network.roundabout_against_traffic",
+         fmt::format(
+             "way {}: a roundabout that is drawn {}, where one drives on the {}; turn its way round in the map, "
+             "or check the driving side",
+             roads.paths[ring.first].osm_id, is_left ? "anticlockwise" : "clockwise", is_left ? "left" : "right"),
+         origin.x, origin.y});
+  }
 }
 
 }  // namespace orthodrive::network

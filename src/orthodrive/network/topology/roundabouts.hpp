@@ -13,6 +13,10 @@ namespace orthodrive::network {
 /// (network.roundabout_open). Rings that the border of the area cuts are left as they are.
 [[nodiscard]] RoadNetwork close_roundabouts(RoadNetwork roads, Findings& findings);
 
+/// Rings tagged as roundabouts that are drawn against the traffic, clockwise where one drives on the right: finding
+/// network.roundabout_against_traffic for each. They are built as drawn.
+void report_turned_roundabouts(const RoadNetwork& roads, DrivingSide driving_side, Findings& findings);
+
 /// Circles of two-way roads that nothing says to be roundabouts: maps that lost their tags have them. Nobody builds a
 /// small round of road with arms to be driven both ways, so it becomes a one-way road round the island, in the sense of
 /// the traffic (finding network.roundabout_assumed). The ways of the ring have to be all ring: 30 to 200 m round, as
