@@ -29,6 +29,12 @@ void check_files(const RefineFiles& files, RefineMethod method) {
     throw OptionError("refine: --method mrf needs --photo and --forests (`orthodrive forests` makes them)");
 }
 
+/// No method changes what the map tells of turns and of nodes.
+void keep_rules(const RoadNetwork& osm, RoadNetwork& refined) {
+  refined.restrictions = osm.restrictions;
+  refined.signs = osm.signs;
+}
+
 RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   const std::string text = io::read_file(files.forests);
   const ForestsPart& part = forests_part();
@@ -40,6 +46,7 @@ RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& o
   mrf.threads = context.threads;
   MrfRoadsResult result =
       part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}), mrf, context.monitor);
+  keep_rules(osm.roads, result.roads);
   Findings findings = osm.findings;
   append(findings, result.findings);
   return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};
@@ -65,6 +72,7 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
                          files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
   classify_by_photo(result.roads, labels);
   measure_kerb_radii(result.roads, labels);
+  keep_rules(osm.roads, result.roads);
   Findings findings = osm.findings;
   append(findings, gpx.findings);
   append(findings, result.findings);
