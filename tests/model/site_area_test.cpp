@@ -114,5 +114,33 @@ TEST(SiteArea, a_crs_of_degrees_is_refused) {
   EXPECT_EQ(site_frame_of(box, "EPSG:5514").crs.definition, "EPSG:5514");
 }
 
+TEST(SiteArea, a_crs_whose_unit_is_no_metre_on_the_ground_is_refused_with_its_scale) {
+  const auto fault = [](const char* crs, Vec2 lonlat) {
+    try {
+      check_scale({crs}, lonlat);
+    } catch (const OptionError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const Vec2 place{15.0, 47.5}, york{-74.0, 40.7};
+  EXPECT_THAT(fault("EPSG:3857", place),
+              testing::AllOf(HasSubstr("'EPSG:3857' has a unit of 0.67"), HasSubstr("leave area.crs out for UTM")));
+  EXPECT_THAT(fault("EPSG:3395", place), HasSubstr("unit of 0.67"));
+  EXPECT_THAT(fault("EPSG:2263", york), HasSubstr("unit of 0.305 m"));
+  EXPECT_THAT(fault("+proj=eqc +datum=WGS84 +units=m", place), HasSubstr("unit of 0.67"));
+  EXPECT_THAT(fault("+proj=tmerc +lat_0=0 +lon_0=15 +datum=WGS84 +units=km", place), HasSubstr("unit of 1e+03 m"));
+  for (const char* national : {"EPSG:32633", "EPSG:31287", "EPSG:3035", "EPSG:5514"})
+    EXPECT_EQ(fault(national, place), "") << national;
+  EXPECT_EQ(fault("EPSG:2154", {9.2, 42.0}), "");  // Corsica, at the rim of Lambert 93
+  EXPECT_EQ(fault("EPSG:32618", york), "");
+  EXPECT_THROW(check_crs({"EPSG:4978"}), OptionError);              // from the middle of the earth
+  const Polygon equator = polygon_of_box({36.8, -0.1, 36.9, 0.0});  // mercator is off by 7 per mille northwards
+  const Findings findings = findings_of_area(equator, site_frame_of(equator, "EPSG:3857"));
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "area.scale");
+  EXPECT_THAT(findings[0].message, HasSubstr("off by 6.7 per mille"));
+}
+
 }  // namespace
 }  // namespace orthodrive

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/geo/ground_scale.hpp"
 #include "orthodrive/geo/overlay.hpp"
 
 namespace orthodrive {
@@ -164,9 +165,24 @@ void check_area(const SiteFrame& frame) {
 }
 
 void check_crs(const Crs& crs) {
-  if (proj_string(crs).find("+proj=longlat") != std::string::npos)
+  const std::string text = proj_string(crs);
+  if (text.find("+proj=geocent") != std::string::npos)
+    throw OptionError(
+        fmt::format("CRS '{}' counts from the middle of the earth, and a site needs a map; leave area.crs out for UTM",
+                    crs.definition));
+  if (text.find("+proj=longlat") != std::string::npos)
     throw OptionError(
         fmt::format("CRS '{}' has degrees, and a site needs metres; leave area.crs out for UTM", crs.definition));
+}
+
+void check_scale(const Crs& crs, Vec2 lonlat) {
+  const GroundScale scale = ground_scale(crs, lonlat);
+  if (scale.error() <= largest_scale_error) return;
+  const std::string least = fmt::format("{:.3g}", scale.least_m), most = fmt::format("{:.3g}", scale.most_m);
+  throw OptionError(
+      fmt::format("CRS '{}' has a unit of {} m on the ground here, and a site needs metres: all of it would have "
+                  "another scale; leave area.crs out for UTM",
+                  crs.definition, least == most ? least : least + " to " + most));
 }
 
 SiteFrame site_frame_of(const Polygon& lonlat, const std::string& crs) {
@@ -175,6 +191,7 @@ SiteFrame site_frame_of(const Polygon& lonlat, const std::string& crs) {
   SiteFrame frame;
   frame.crs = crs == "auto" ? utm_crs(0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)) : Crs{crs};
   check_crs(frame.crs);
+  if (crs != "auto") check_scale(frame.crs, {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
   const CoordinateTransform frame_from_lonlat(Crs{"EPSG:4326"}, frame.crs);
   frame.area.outer = placed_ring(lonlat.outer, frame_from_lonlat);
   for (const Ring& hole : lonlat.holes) frame.area.holes.push_back(placed_ring(hole, frame_from_lonlat));
@@ -182,9 +199,25 @@ SiteFrame site_frame_of(const Polygon& lonlat, const std::string& crs) {
   return frame;
 }
 
+namespace {
+Findings findings_of_scale(const Polygon& lonlat, const SiteFrame& frame) {
+  constexpr double largest_usual = 0.002;  // of national CRSs and of UTM in its zone
+  const Box2 box = bounds_of(lonlat.outer);
+  const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  const double error = ground_scale(frame.crs, middle).error();
+  if (error <= largest_usual) return {};
+  const Vec2 place = CoordinateTransform(Crs{"EPSG:4326"}, frame.crs).target_from_source(middle);
+  return {{Severity::warning, "area.scale",
+           fmt::format("lengths in {} are off by {:.1f} per mille here: its scale is not that of the ground; leave "
+                       "area.crs out for UTM",
+                       frame.crs.definition, 1000.0 * error),
+           place.x, place.y}};
+}
+}  // namespace
+
 Findings findings_of_area(const Polygon& lonlat, const SiteFrame& frame) {
   const std::optional<double> meridian = central_meridian(frame.crs);
-  if (!meridian) return {};
+  if (!meridian) return findings_of_scale(lonlat, frame);
   const auto farther = [&](Vec2 a, Vec2 b) { return std::abs(a.x - *meridian) < std::abs(b.x - *meridian); };
   const Vec2 farthest = *std::max_element(lonlat.outer.begin(), lonlat.outer.end(), farther);
   const double off_deg = std::abs(farthest.x - *meridian);

@@ -29,17 +29,24 @@ void check_lonlat_area(const Polygon& lonlat);
 
 /// The frame of a polygon of degrees: its CRS, "auto" = the UTM zone of the middle of its bounds, and the area in it.
 /// Edges get points at least every 1/32 of their length and every 5 km, since straight edges in degrees are bent there.
-/// Throws OptionError for an unknown CRS and what check_area refuses.
+/// Throws OptionError for an unknown CRS, one that check_scale refuses, and what check_area refuses.
 [[nodiscard]] SiteFrame site_frame_of(const Polygon& lonlat, const std::string& crs = "auto");
 
 /// Throws Error for an unknown CRS and OptionError for one of degrees: here, not three stages later.
 void check_crs(const Crs& crs);
 
+constexpr double largest_scale_error = 0.01;  ///< of lengths in a site's CRS: 35 mm of a lane
+
+/// Throws OptionError where a unit of the CRS is not a metre on the ground to largest_scale_error, in any direction:
+/// web mercator, feet, CRSs made for continents. `lonlat` is a place of the site, degrees of WGS84.
+void check_scale(const Crs& crs, Vec2 lonlat);
+
 /// Throws OptionError for an area narrower than 50 m.
 void check_area(const SiteFrame& frame);
 
 /// "area.off_meridian" (info) when a place lies more than 4 degrees from the middle of the UTM zone of the frame,
-/// where lengths are off by up to 2 per mille. `lonlat` is the area in degrees.
+/// where lengths are off by up to 2 per mille; "area.scale" (warning) when lengths in another CRS are off by more than
+/// that in the middle of the area. `lonlat` is the area in degrees.
 [[nodiscard]] Findings findings_of_area(const Polygon& lonlat, const SiteFrame& frame);
 
 }  // namespace orthodrive

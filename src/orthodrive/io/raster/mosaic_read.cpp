@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/geo/area_places.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/model/rasters/photo_mosaic.hpp"
@@ -58,9 +58,10 @@ Photo read_overview(const fs::path& path, const Crs& crs, const GridFrame& cells
 
 bool shows_area(const Photo& overview, const Polygon& area) {
   bool shows = false;
-  rasterize(area, overview.frame, [&](int row, int begin, int end) {
-    shows =
-        shows || (begin < end && std::memchr(&overview.valid.at(begin, row), 1, static_cast<std::size_t>(end - begin)));
+  visit_area(area, overview.frame.gsd_m, [&](Vec2 p) {
+    const Vec2 cell = overview.frame.pixel_from_world(p);
+    const int col = static_cast<int>(std::floor(cell.x)), row = static_cast<int>(std::floor(cell.y));
+    shows = shows || (overview.valid.inside(col, row) && overview.valid.at(col, row) != 0);
   });
   return shows;
 }
@@ -86,7 +87,7 @@ Finding elsewhere_finding(const fs::path& path, const SiteFrame& site) {
 PhotoSource open_photo(const std::vector<fs::path>& paths, const SiteFrame& site, const ReadPhotoOptions& options,
                        Findings* findings) {
   if (paths.empty()) throw OptionError("no photo is given; name at least one");
-  if (paths.size() == 1) return open_photo(paths.front(), site, options);
+  if (paths.size() == 1) return open_photo(paths.front(), site, options, findings);
   std::vector<fs::path> elsewhere;
   const std::vector<fs::path> here = photos_here(paths, site, elsewhere);
   // The first alone says where it lies, as one photo does.
@@ -102,7 +103,7 @@ PhotoSource open_photo(const std::vector<fs::path>& paths, const SiteFrame& site
   gsds_m.reserve(here.size());
   for (const fs::path& path : here) gsds_m.push_back(raster_info(path).gsd_m);
   for (const fs::path& path : here) {
-    PhotoSource photo = open_photo(path, site, of_all);
+    PhotoSource photo = open_photo(path, site, of_all, findings);
     of_all.gsd_m = photo.frame.gsd_m;
     const GridFrame cells = mosaic_overview_frame(photo.frame, gsds_m);
     Photo overview = read_overview(path, site.crs, cells, options.threads);

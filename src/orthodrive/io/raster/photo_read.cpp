@@ -13,6 +13,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/io/raster/photo_bands.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/raster/raster_support.hpp"
 
@@ -20,26 +21,6 @@ namespace orthodrive::io {
 namespace fs = std::filesystem;
 
 namespace {
-/// A view of the photo with the bands red, green, blue and, if it has one, alpha; null when it is that already.
-DatasetPtr as_rgb(const fs::path& path, GDALDataset& photo) {
-  GDALRasterBand& first = *photo.GetRasterBand(1);
-  if (first.GetRasterDataType() != GDT_Byte)
-    throw InputError(path.string(),
-                     fmt::format("has {} samples, need 8 bit; convert it: gdal_translate -ot Byte -scale IN OUT.tif",
-                                 GDALGetDataTypeName(first.GetRasterDataType())));
-  if (first.GetColorTable()) return translate_to_vrt(photo, {"-expand", "rgb"});
-  const int bands = photo.GetRasterCount();
-  int alpha = 0;
-  for (int b = 1; b <= bands; ++b)
-    if (photo.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) alpha = b;
-  const int colors = bands - (alpha ? 1 : 0);
-  if (colors == 3 && (alpha == 0 || alpha == 4)) return nullptr;
-  std::vector<std::string> arguments;
-  for (int b = 1; b <= 3; ++b) arguments.insert(arguments.end(), {"-b", std::to_string(colors >= 3 ? b : 1)});
-  if (alpha) arguments.insert(arguments.end(), {"-b", std::to_string(alpha), "-colorinterp_4", "alpha"});
-  return translate_to_vrt(photo, arguments);
-}
-
 std::string describe_extent(const Georeference& g, GDALDataset& dataset) {
   return describe_lonlat(bounds_of(outline_lonlat(g, dataset.GetRasterXSize(), dataset.GetRasterYSize()).outer));
 }
@@ -106,11 +87,28 @@ class WarpedPhoto {
     const Polygon outline = outline_lonlat(g_, source_->GetRasterXSize(), source_->GetRasterYSize());
     if (!bounds_of(outline.outer).overlaps(lonlat_bounds(site.area.outer, site.crs))) throw nothing_of(site);
     inside_ = InsidePixels(site.area, frame_);
-    rgb_ = as_rgb(path_, *source_);
+    rgb_ = rgb_photo(path_, *source_);
     keep_rows_of_windows(*source_);
     warp(site, source_pixel, options);
   }
   [[nodiscard]] const GridFrame& frame() const { return frame_; }
+  /// What is odd about it: where that is on the map, or in the middle of the area if it lies outside.
+  [[nodiscard]] Findings findings(const SiteFrame& site) const {
+    const Box2 box = bounds_of(site.area.outer);
+    const OGRSpatialReference target = spatial_reference(site.crs);
+    const GdalErrors silent;
+    const std::unique_ptr<OGRCoordinateTransformation> to_site(
+        OGRCreateCoordinateTransformation(&g_.reference, &target));
+    Findings findings;
+    for (const PhotoOddity& odd : rgb_.oddities) {
+      Vec2 p{g_.c[0] + odd.pixel.x * g_.c[1] + odd.pixel.y * g_.c[2],
+             g_.c[3] + odd.pixel.x * g_.c[4] + odd.pixel.y * g_.c[5]};
+      if (!to_site || !to_site->Transform(1, &p.x, &p.y) || !box.contains(p))
+        p = {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+      findings.push_back({Severity::warning, odd.code, odd.message, p.x, p.y});
+    }
+    return findings;
+  }
   [[nodiscard]] InputError nothing_of(const SiteFrame& site) const { return shows_nothing(path_, *source_, g_, site); }
 
   [[nodiscard]] PhotoWindow read(const PixelBox& box) {
@@ -147,7 +145,7 @@ class WarpedPhoto {
     GdalOptions list(arguments);
     GdalErrors errors;
     GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list.get(), nullptr);
-    GDALDatasetH sources[1] = {GDALDataset::ToHandle(rgb_ ? rgb_.get() : source_.get())};
+    GDALDatasetH sources[1] = {GDALDataset::ToHandle(rgb_.view ? rgb_.view.get() : source_.get())};
     int usage_error = 0;
     warped_.reset(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, sources, options, &usage_error)));
     GDALWarpAppOptionsFree(options);
@@ -194,7 +192,8 @@ class WarpedPhoto {
   fs::path path_;
   DatasetPtr source_;
   Georeference g_;
-  DatasetPtr rgb_, warped_;  ///< views of those above them, which they must not outlive
+  RgbPhoto rgb_;       ///< a view of the source, which it must not outlive
+  DatasetPtr warped_;  ///< likewise of that
   GridFrame frame_;
   InsidePixels inside_{{}, {}};
   int block_width_ = 0, block_height_ = 0;
@@ -210,7 +209,7 @@ class NativePhoto {
         frame_(north_up_frame(path_, *source_)),
         crs_(crs_of(*source_->GetSpatialRef())) {
     require_complete(path_, *source_);
-    view_ = as_rgb(path_, *source_);
+    view_ = rgb_photo(path_, *source_).view;
     keep_rows_of_windows(*source_);
   }
   [[nodiscard]] const GridFrame& frame() const { return frame_; }
@@ -264,8 +263,11 @@ class NativePhoto {
 };
 }  // namespace
 
-PhotoSource open_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOptions& options) {
+PhotoSource open_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOptions& options,
+                       Findings* findings) {
   const auto photo = std::make_shared<WarpedPhoto>(path, site, options);
+  if (findings)
+    for (Finding& finding : photo->findings(site)) findings->push_back(std::move(finding));
   return {site.crs, photo->frame(), [photo](const PixelBox& box) { return photo->read(box); }};
 }
 
@@ -307,7 +309,7 @@ void require_plausible_size(const fs::path& path, GDALDataset& picture) {
 
 Raster<std::uint8_t> pixels_of(const fs::path& path, const DatasetPtr& source) {
   require_plausible_size(path, *source);
-  const DatasetPtr view = as_rgb(path, *source);
+  const DatasetPtr view = rgb_bands(path, *source).view;
   GDALDataset& rgb = view ? *view : *source;
   Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
   GdalErrors errors;

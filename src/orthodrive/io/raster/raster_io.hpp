@@ -39,9 +39,11 @@ struct ReadPhotoOptions {
                                const ReadPhotoOptions& options = {});
 /// The same photo window by window, each warped when it is asked for; every window has the bytes that read_photo gives.
 /// Memory does not grow with the photo. Pixels without data are no error here. Throws InputError when the photo lies
-/// somewhere else, and from its read() when the file cannot be read to its end.
+/// somewhere else, and from its read() when the file cannot be read to its end. What its format does not say, or says
+/// wrongly, is seen in its pixels and becomes findings: photo.alpha_is_none, photo.alpha_range, photo.collar,
+/// photo.inks, photo.sample_range (io/raster/photo_bands.hpp).
 [[nodiscard]] PhotoSource open_photo(const std::filesystem::path& path, const SiteFrame& site,
-                                     const ReadPhotoOptions& options = {});
+                                     const ReadPhotoOptions& options = {}, Findings* findings = nullptr);
 /// Several photos, best first, as one (model/rasters/photo_mosaic.hpp); one alone as above. One that shows nothing of
 /// the area becomes a finding `photo.elsewhere` and is left out. Throws InputError when all lie somewhere else. What
 /// seams need is estimated as the photos are opened, which reads each of them once, or its overviews.
@@ -71,8 +73,10 @@ struct ReadDtmsOptions {
       0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle
 };
 /// Several terrain models, best first, that cover the area together (model/rasters/sample_height.hpp: merge_heights).
-/// One that is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Vertical
-/// datums that differ or are not named are findings, too; heights stay as they are. Throws as read_dtm.
+/// One that is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Where two
+/// differ by a constant, one is shifted onto the other (`terrain.shifted`): heights over the ellipsoid onto those over
+/// sea level, else those without a named vertical datum, else the later one. Where they differ otherwise
+/// (`terrain.models_differ`), or only by the names of their datums, heights stay as they are. Throws as read_dtm.
 [[nodiscard]] std::vector<HeightGrid> read_dtms(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
                                                 const ReadDtmsOptions& options = {}, Findings* findings = nullptr);
 /// Share of the area (0..1) in which at least one of the grids has heights.

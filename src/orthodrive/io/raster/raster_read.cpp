@@ -12,8 +12,10 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/geo/area_places.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/raster/raster_support.hpp"
+#include "orthodrive/io/raster/terrain_datums.hpp"
 #include "orthodrive/model/rasters/class_table_json.hpp"
 #include "orthodrive/model/rasters/sample_height.hpp"
 
@@ -176,90 +178,13 @@ HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m
   return std::move(read_dtms({path}, site, {.margin_m = margin_m}).front());
 }
 
-namespace {
-
-/// Median of z_a / z_b where both have heights that are not about zero, 0 where they have too little in common or the
-/// ratio is not the same everywhere. `middle` is where they overlap.
-double height_ratio(const HeightGrid& a, const HeightGrid& b, const SiteFrame& site, Vec2& middle) {
-  constexpr int places = 50;  // along each side
-  constexpr double least_height_m = 20.0, least_common = 50.0, largest_spread = 0.05;
-  const Box2 box = bounds_of(site.area.outer);
-  std::vector<double> ratios;
-  Vec2 sum;
-  for (int i = 0; i < places; ++i)
-    for (int j = 0; j < places; ++j) {
-      const Vec2 p{box.min_x + (box.max_x - box.min_x) * (i + 0.5) / places,
-                   box.min_y + (box.max_y - box.min_y) * (j + 0.5) / places};
-      const double z_a = sample_bilinear(a, p), z_b = sample_bilinear(b, p);
-      if (!(z_a > least_height_m && z_b > least_height_m)) continue;
-      ratios.push_back(z_a / z_b);
-      sum = sum + p;
-    }
-  if (static_cast<double>(ratios.size()) < least_common) return 0.0;
-  middle = sum * (1.0 / static_cast<double>(ratios.size()));
-  std::sort(ratios.begin(), ratios.end());
-  const auto quantile = [&](double q) {
-    return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))];
-  };
-  return quantile(0.75) - quantile(0.25) < largest_spread * quantile(0.5) ? quantile(0.5) : 0.0;
-}
-
-/// Of two models of one place, the one that is 3.28 times as high is in feet.
-void feet_to_metres(const std::vector<fs::path>& paths, const SiteFrame& site, std::vector<HeightGrid>& grids,
-                    Findings* findings) {
-  constexpr double foot_m = 0.3048, tolerance = 0.02;
-  for (std::size_t a = 0; a < grids.size(); ++a)
-    for (std::size_t b = 0; b < grids.size(); ++b) {
-      if (a == b || grids[a].height_m.empty() || grids[b].height_m.empty()) continue;
-      Vec2 p;
-      if (std::abs(height_ratio(grids[a], grids[b], site, p) * foot_m - 1.0) > tolerance) continue;
-      for (float& z : grids[a].height_m.data) z = static_cast<float>(foot_m * static_cast<double>(z));
-      if (findings)
-        findings->push_back({Severity::warning, "terrain.feet",
-                             fmt::format("{} is 3.28 times as high as {}: its heights are taken for feet",
-                                         paths[a].filename().string(), paths[b].filename().string()),
-                             p.x, p.y});
-    }
-}
-
-/// Heights over one datum lie up to metres from those over another one: where two models meet, roads would step.
-void tell_datums(const std::vector<fs::path>& paths, const SiteFrame& site, const std::vector<HeightGrid>& grids,
-                 Findings& findings) {
-  const Box2 box = bounds_of(site.area.outer);
-  const Vec2 p{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
-  std::string unnamed;
-  const HeightGrid* named = nullptr;
-  for (std::size_t i = 0; i < grids.size(); ++i) {
-    const std::string& datum = grids[i].vertical_datum;
-    if (datum.empty()) {
-      unnamed += (unnamed.empty() ? "" : ", ") + paths[i].filename().string();
-    } else if (named && named->vertical_datum != datum) {
-      findings.push_back(
-          {Severity::warning, "terrain.datums_differ",
-           fmt::format("heights of {} are over {}, those of a model before it over {}: taken as they are, "
-                       "so roads may step where the models meet; convert one of them",
-                       paths[i].filename().string(), datum, named->vertical_datum),
-           p.x, p.y});
-    } else {
-      named = &grids[i];
-    }
-  }
-  if (!unnamed.empty())
-    findings.push_back({Severity::info, "terrain.datum_not_named",
-                        fmt::format("{}: no vertical datum is named, heights are taken as they are", unnamed), p.x,
-                        p.y});
-}
-
-}  // namespace
-
 std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site,
                                   const ReadDtmsOptions& options, Findings* findings) {
   std::vector<HeightGrid> grids;
   grids.reserve(paths.size());
   for (const fs::path& path : paths)
     grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(options.margin_m)));
-  feet_to_metres(paths, site, grids, findings);
-  if (findings) tell_datums(paths, site, grids, *findings);
+  to_one_datum(paths, bounds_of(site.area.outer), grids, findings);
   const double covered = coverage(grids, site);
   if (covered >= options.least_coverage) return grids;
   std::string names, extents;
@@ -278,17 +203,13 @@ double coverage(std::span<const HeightGrid> grids, const SiteFrame& site) {
   double gsd_m = std::numeric_limits<double>::infinity();
   for (const HeightGrid& grid : grids) gsd_m = std::min(gsd_m, grid.frame.gsd_m);
   if (grids.empty()) return 0.0;
-  const GridFrame places = covering_grid(bounds_of(site.area.outer), gsd_m);
   std::size_t inside = 0, known = 0;
-  rasterize(site.area, places, [&](int row, int begin, int end) {
-    for (int col = begin; col < end; ++col) {
-      const Vec2 p = places.center_of(col, row);
-      const auto has_height = [p](const HeightGrid& grid) {
-        return !grid.height_m.empty() && !std::isnan(sample_bilinear(grid, p));
-      };
-      ++inside;
-      known += std::any_of(grids.begin(), grids.end(), has_height) ? 1 : 0;
-    }
+  visit_area(site.area, gsd_m, [&](Vec2 p) {
+    const auto has_height = [p](const HeightGrid& grid) {
+      return !grid.height_m.empty() && !std::isnan(sample_bilinear(grid, p));
+    };
+    ++inside;
+    known += std::any_of(grids.begin(), grids.end(), has_height) ? 1 : 0;
   });
   return inside == 0 ? 0.0 : static_cast<double>(known) / static_cast<double>(inside);
 }

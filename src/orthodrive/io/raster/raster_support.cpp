@@ -11,6 +11,8 @@
 #include <type_traits>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/geo/ground_scale.hpp"
+#include "orthodrive/model/site_area.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;
@@ -48,10 +50,31 @@ Georeference georeference_of(const fs::path& path, GDALDataset& dataset) {
   return result;
 }
 
+namespace {
+/// Metres of web mercator are none on the ground: lengths would be those of another scale.
+void require_ground_metres(const fs::path& path, const Georeference& g, int width, int height) {
+  GroundScale scale;
+  try {
+    const Vec2 middle{g.c[0] + 0.5 * width * g.c[1] + 0.5 * height * g.c[2],
+                      g.c[3] + 0.5 * width * g.c[4] + 0.5 * height * g.c[5]};
+    const Crs crs = crs_of(g.reference);
+    scale = ground_scale(crs, CoordinateTransform(crs, {"EPSG:4326"}).target_from_source(middle));
+  } catch (const Error&) {
+    return;  // where the CRS does not reach: the area says so
+  }
+  if (scale.error() > largest_scale_error)
+    throw InputError(path.string(),
+                     fmt::format("a metre of its CRS is {:.3g} m on the ground; warp it first: gdalwarp -t_srs "
+                                 "EPSG:326xx IN OUT.tif",
+                                 scale.least_m));
+}
+}  // namespace
+
 GridFrame north_up_frame(const fs::path& path, GDALDataset& dataset) {
   const Georeference g = georeference_of(path, dataset);
   if (!g.reference.IsProjected() || std::abs(g.reference.GetLinearUnits() - 1.0) > 1e-9)
     throw InputError(path.string(), "its CRS is not in metres; warp it first: gdalwarp -t_srs EPSG:326xx IN OUT.tif");
+  require_ground_metres(path, g, dataset.GetRasterXSize(), dataset.GetRasterYSize());
   constexpr double tolerance = 1e-6;  // of a pixel: world files carry some ten digits
   if (g.c[2] != 0.0 || g.c[4] != 0.0 || g.c[1] <= 0.0 || std::abs(g.c[1] + g.c[5]) > tolerance * g.c[1])
     throw InputError(path.string(),

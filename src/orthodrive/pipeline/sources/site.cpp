@@ -112,7 +112,6 @@ SiteFrame read_bounds(TomlSection& area, const std::string& crs) {
     area.fail_at("bounds", "must be west, south, east, north in metres with west < east and south < north");
   const SiteFrame frame{{crs}, {{{west, south}, {east, south}, {east, north}, {west, north}}, {}}};
   area.at("crs", [&] { check_crs(frame.crs); });
-  area.at("bounds", [&] { check_area(frame); });
   return frame;
 }
 
@@ -128,10 +127,15 @@ void read_area(TomlSection area, const fs::path& file, Site& site) {
         "(metres, with crs)");
   if (area.has("bounds")) {
     site.frame = read_bounds(area, crs);
+    Polygon lonlat;
     area.at("bounds", [&] {
       const CoordinateTransform lonlat_from_site(site.frame.crs, Crs{"EPSG:4326"});
       site.middle_lonlat = lonlat_from_site.target_from_source(middle_of(site.frame.area.outer));
+      for (const Vec2 p : site.frame.area.outer) lonlat.outer.push_back(lonlat_from_site.target_from_source(p));
     });
+    area.at("crs", [&] { check_scale(site.frame.crs, site.middle_lonlat); });
+    area.at("bounds", [&] { check_area(site.frame); });
+    site.findings = findings_of_area(lonlat, site.frame);
     return;
   }
   const char* key = area.has("polygon") ? "polygon" : "bbox_wgs84";
@@ -142,8 +146,14 @@ void read_area(TomlSection area, const fs::path& file, Site& site) {
     const std::array<double, 4> box = read_box(area, key);
     area.at(key, [&] { lonlat = polygon_of_box(box); });
   }
-  area.at(key, [&] { site.frame = site_frame_of(lonlat, crs); });
+  area.at(key, [&] { check_lonlat_area(lonlat); });
   site.middle_lonlat = middle_of(lonlat.outer);
+  if (crs != "auto")
+    area.at("crs", [&] {
+      check_crs({crs});
+      check_scale({crs}, site.middle_lonlat);
+    });
+  area.at(key, [&] { site.frame = site_frame_of(lonlat, crs); });
   site.findings = findings_of_area(lonlat, site.frame);
 }
 

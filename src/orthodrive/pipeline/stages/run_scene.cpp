@@ -10,6 +10,7 @@
 #include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/geo/geo_reference.hpp"
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/raster/terrain_grid_io.hpp"
@@ -42,6 +43,12 @@ void fields(Archive& archive, TileEntry& e) {
 }  // namespace io
 
 namespace {
+/// Files that name one CRS in two ways; by its text where a datum shift is all that differs, as our older files have
+/// none. The place is in `b`.
+bool mean_the_same(const Crs& a, const Crs& b, Vec2 p) {
+  return proj_string(a) == proj_string(b) || is_same_place(a, b, p);
+}
+
 bool is_understood(const Crs& crs, Vec2 place) {
   try {
     (void)CoordinateTransform(crs, {"EPSG:4326"}).target_from_source(place);
@@ -81,7 +88,7 @@ Crs crs_of_roads(const std::string& network_file, const roadquery::RoadMap& road
 Crs crs_beside(const roadquery::RoadMap& roads, const fs::path& file, const Crs& of_file, Findings& findings) {
   const std::string fault = fault_of_reference(roads);
   if (fault.empty())
-    return proj_string(of_file) == proj_string({roads.geo_reference}) ? of_file : Crs{roads.geo_reference};
+    return mean_the_same(of_file, {roads.geo_reference}, first_place(roads)) ? of_file : Crs{roads.geo_reference};
   const Vec2 place = first_place(roads);
   findings.push_back({Severity::warning, "scene.crs_of_ground",
                       fmt::format("{}: their coordinates are taken to be those of {}", fault, file.string()), place.x,
@@ -166,7 +173,7 @@ struct SceneInputs {
       terrain = options.site ? context.sources.terrain(files.dtm, site) : read_terrain(files.dtm, site);
     if (!files.labels.empty()) {
       labels = io::open_labels(files.labels);
-      if (proj_string(labels->crs) != proj_string(site.crs))
+      if (!mean_the_same(labels->crs, site.crs, site.area.outer.front()))
         throw InputError(files.labels.string(),
                          "is not in the CRS of the roads; write it with `orthodrive segment` from the same photo");
     }
@@ -505,7 +512,7 @@ BuildStage scene_stage(SiteBuild& build) {
   nlohmann::json stage_options = frame_options(site.frame);
   if (!site.scene_roads.empty()) stage_options["scene.roads"] = site.scene_roads;
   return {.name = "scene",
-          .version = 3,
+          .version = 4,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"dtm", site.dtm, SourceRole::Kind::raster},
                       {"buildings", buildings},
