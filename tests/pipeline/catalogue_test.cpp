@@ -80,11 +80,16 @@ TEST(Catalogue, every_entry_is_complete) {
 
 TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
   const std::vector<std::tuple<double, double, std::string>> places{
-      {16.37, 48.21, "at-basemap"},   {7.45, 46.95, "ch-swissimage"}, {2.35, 48.86, "fr-bdortho"},
-      {8.74, 41.92, "fr-bdortho"},    {6.96, 50.94, "de-nw-dop"},     {11.58, 48.14, "de-by-dop20"},
-      {4.90, 52.37, "nl-luchtfoto"},  {18.07, 59.33, "se-ortofoto"},  {14.42, 50.09, "cz-ortofoto"},
-      {-104.99, 39.74, "us-naip"},    {-80.19, 25.76, "us-naip"},     {139.77, 35.68, "jp-gsi-photo"},
-      {127.68, 26.21, "jp-gsi-photo"}};
+      {16.37, 48.21, "at-basemap"},    {7.45, 46.95, "ch-swissimage"}, {2.35, 48.86, "fr-bdortho"},
+      {8.74, 41.92, "fr-bdortho"},     {6.96, 50.94, "de-nw-dop"},     {11.58, 48.14, "de-by-dop20"},
+      {4.90, 52.37, "nl-luchtfoto"},   {18.07, 59.33, "se-ortofoto"},  {14.42, 50.09, "cz-ortofoto"},
+      {-104.99, 39.74, "us-naip"},     {-80.19, 25.76, "us-naip"},     {139.77, 35.68, "jp-gsi-photo"},
+      {127.68, 26.21, "jp-gsi-photo"}, {-3.70, 40.42, "es-pnoa"},      {2.65, 39.57, "es-pnoa"},
+      {4.35, 50.85, "be-ngi"},         {19.04, 47.50, "hu-oi2022"},    {21.01, 52.23, "pl-orto"},
+      {24.75, 59.44, "ee-foto"},       {19.15, 48.74, "sk-zbgis"},     {9.18, 48.78, "de-bw-dop20"},
+      {14.33, 51.76, "de-bb-dop20"},   {8.68, 50.11, "de-he-dop20"},   {12.14, 54.09, "de-mv-dop20"},
+      {9.73, 52.37, "de-ni-dop20"},    {7.77, 49.44, "de-rp-dop20"},   {13.74, 51.05, "de-sn-dop20"},
+      {11.63, 52.13, "de-st-dop20"},   {9.92, 54.31, "de-sh-dop20"},   {11.03, 50.98, "de-th-dop20"}};
   for (const auto& [lon, lat, id] : places) {
     EXPECT_EQ(coverage_of(catalogue(), source(id), around(lon, lat)), 1.0) << id;
     for (const CatalogueSource& other : catalogue().sources) {
@@ -92,7 +97,7 @@ TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
       EXPECT_EQ(coverage_of(catalogue(), other, around(lon, lat)), 0.0) << id << " in " << other.id;
     }
   }
-  for (const auto& [lon, lat] : {std::pair{13.40, 52.52}, {19.04, 47.50}, {0.0, 0.0}})  // Berlin, Budapest, the sea
+  for (const auto& [lon, lat] : {std::pair{12.50, 41.90}, {10.75, 59.91}, {0.0, 0.0}})  // Rome, Oslo, the sea
     for (const CatalogueSource& other : catalogue().sources) {
       if (other.what != "photo") continue;
       EXPECT_EQ(coverage_of(catalogue(), other, around(lon, lat)), 0.0) << other.id;
@@ -104,7 +109,8 @@ TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
 
 TEST(Catalogue, the_extract_is_the_smallest_that_holds_the_place) {
   EXPECT_EQ(extract_area(catalogue(), around(11.58, 48.14))->geofabrik, "europe/germany/bayern");
-  EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany");
+  EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany/berlin");
+  EXPECT_EQ(extract_area(catalogue(), around(6.95, 49.35))->geofabrik, "europe/germany");  // Saarland has no photo
   EXPECT_EQ(extract_area(catalogue(), around(-104.99, 39.74))->geofabrik, "north-america/us/colorado");
   EXPECT_EQ(extract_area(catalogue(), around(0.0, 0.0)), nullptr);
   EXPECT_EQ(extract_area(catalogue(), polygon_of_box({11, 46.5, 12, 48.5})), nullptr);  // Germany and Austria
@@ -275,6 +281,12 @@ TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
   EXPECT_FALSE(made.findings.empty());
   EXPECT_EQ(made.findings.front().code, "new.partly_covered");
   EXPECT_EQ(made.findings.size(), 2u);  // photo and terrain
+}
+
+TEST(NewSite, says_the_side_of_the_road_where_it_is_the_left) {
+  EXPECT_THAT(new_site(catalogue(), area_at(139.71, 35.66)).text,
+              HasSubstr("[refine]\ndriving_side = \"left\"  # Japan\n"));
+  EXPECT_THAT(new_site(catalogue(), area_at(16.37, 48.21)).text, Not(HasSubstr("driving_side")));
 }
 
 TEST(NewSite, what_cannot_be_says_what_to_do) {

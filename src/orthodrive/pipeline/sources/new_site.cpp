@@ -264,14 +264,23 @@ class SiteWriter {
     const std::string fetch = fetch_.empty() ? "" : "\n# Where the sources come from: `orthodrive fetch` gets them.\n";
     result_.text = fmt::format(
         "# Written by `orthodrive new`. Paths are relative to this file; docs/build.md lists all keys.\nname = {}\n\n"
-        "[area]\n{}# CRS: {}, {:.2f} km2\n\n[sources]\n{}\n[attribution]\ntext = [\n{}]\n{}{}",
-        quoted(options_.name), area, frame_.crs.definition, area_m2(frame_.area) / 1e6, sources_, attribution, fetch,
-        fetch_);
+        "[area]\n{}# CRS: {}, {:.2f} km2\n\n[sources]\n{}\n{}[attribution]\ntext = [\n{}]\n{}{}",
+        quoted(options_.name), area, frame_.crs.definition, area_m2(frame_.area) / 1e6, sources_, driving_side(),
+        attribution, fetch, fetch_);
     return std::move(result_);
   }
   Findings& findings() { return result_.findings; }
 
  private:
+  /// Where it is not the right, the file says so: whoever reads it need not know the catalogue.
+  [[nodiscard]] std::string driving_side() const {
+    const std::vector<Country> countries = read_countries(catalogue_folder());
+    const Box2 box = bounds_of(options_.area.outer);
+    const Country* country = country_at(countries, {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
+    if (!country || country->driving_side == DrivingSide::right) return {};
+    return fmt::format("[refine]\ndriving_side = {}  # {}\n\n", quoted(to_string(country->driving_side)),
+                       country->name);
+  }
   void local(const char* key, const std::vector<std::string>& files, const std::string& subject) {
     std::string names;
     for (const std::string& file : files) names += (names.empty() ? "" : ", ") + quoted(file);
