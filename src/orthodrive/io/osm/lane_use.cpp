@@ -238,8 +238,9 @@ void read_placement(const OsmTags& tags, WayAttributes& way) {
     if (!start.empty()) (way.reversed ? placement.end : placement.start) = read(start, "placement:start");
     if (!end.empty()) (way.reversed ? placement.start : placement.end) = read(end, "placement:end");
   }
-  if (way.path.oneway == Oneway::no && !placement.is_told() && !placement.transition) {
-    placement = {};
+  if (placement.is_told() || placement.transition) return;
+  placement = {};
+  if (way.path.oneway == Oneway::no) {
     if (tags.contains("placement") && use_value(tags, "placement") == "transition")
       placement.transition = true;
     else if (tags.contains("placement"))
