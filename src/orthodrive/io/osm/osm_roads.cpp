@@ -30,6 +30,11 @@ namespace orthodrive::io {
 namespace {
 using Files = std::vector<std::filesystem::path>;
 
+template <typename F>
+void for_each_file(const Files& files, F&& read) {
+  for (const std::filesystem::path& path : files) with_osm_errors(path, [&] { read(path); });
+}
+
 /// OSM has no object 0, some converters write one: in roads 0 means none.
 constexpr std::int64_t stand_in_for_0 = -(std::int64_t{1} << 53) + 1;
 std::int64_t road_node(osmium::object_id_type id) { return id == no_osm_node ? stand_in_for_0 : id; }
@@ -140,7 +145,7 @@ std::vector<TurnRestriction> read_restrictions(const Files& files) {
   };
   std::vector<Known> known;
   std::map<std::int64_t, std::size_t> index;
-  for (const std::filesystem::path& path : files)
+  for_each_file(files, [&](const std::filesystem::path& path) {
     read_osm_buffers(path, osmium::osm_entity_bits::relation, [&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
         const auto [at, is_new] = index.emplace(relation.id(), known.size());
@@ -150,6 +155,7 @@ std::vector<TurnRestriction> read_restrictions(const Files& files) {
           known[at->second] = {relation.version(), restrictions_of(relation)};
       }
     });
+  });
   std::vector<TurnRestriction> restrictions;
   for (const Known& relation : known)
     restrictions.insert(restrictions.end(), relation.restrictions.begin(), relation.restrictions.end());
@@ -411,10 +417,6 @@ class PathMaker {
   int part_ = 0;
 };
 
-template <typename F>
-void for_each_file(const Files& files, F&& read) {
-  for (const std::filesystem::path& path : files) with_osm_errors(path, [&] { read(path); });
-}
 }  // namespace
 
 RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site, Findings* findings) {
