@@ -51,7 +51,7 @@ TEST(SearchCrf, takes_the_cheapest_that_keeps_most_of_the_gain) {
            t.appearance_weight == search.best.parameters.appearance_weight.front();
   });
   ASSERT_NE(chosen, search.trials.end());
-  const double enough = best_appearance - options.tolerated_loss * (best_appearance - merit(none));
+  const double enough = best_appearance - tolerated_loss * (best_appearance - merit(none));
   EXPECT_GE(merit(*chosen), enough);
   for (const CrfTrial& t : search.trials)
     if (t.appearance_weight > 0.0F && t.smoothness_weight == 0.0F && merit(t) >= enough &&

@@ -11,9 +11,6 @@
 namespace orthodrive {
 namespace {
 
-// Share of the gain over no CRF that may be given up for a smaller lattice, and for fewer iterations.
-constexpr double tolerated_loss = 0.2;
-
 double merit(const CrfTrial& trial) { return 0.5 * (trial.pixel_accuracy + trial.mean_iou); }
 
 /// Weights of one lattice to try together, since building it costs as much as using it.

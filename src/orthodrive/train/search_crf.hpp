@@ -19,6 +19,9 @@ struct CrfSample {
   std::vector<float> unary;  ///< pixels x classes, -log p
 };
 
+/// Share of the gain over no CRF that may be given up for a smaller lattice, and for fewer iterations.
+inline constexpr double tolerated_loss = 0.2;
+
 struct CrfSearchOptions {
   std::vector<double> theta_alpha_px{5.0, 9.0, 13.5, 20.0, 30.0}, theta_beta{5.0, 11.0, 20.0};
   std::vector<float> appearance_weight{1.0F, 2.5F, 5.0F, 10.0F};
