@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "orthodrive/network/build_network.hpp"
@@ -218,6 +219,11 @@ inline void expect_sound(const roadquery::RoadMap& map) {
   };
   int last_id = 0;
   for (const roadquery::Road& road : map.roads) {
+    for (const roadquery::PlanElement& e : road.plan)  // CommonRoad refuses such spirals
+      if (const auto* spiral = std::get_if<roadquery::Spiral>(&e.shape); spiral && e.length < 3.0) {
+        EXPECT_GT(std::abs(spiral->curvature_end - spiral->curvature_start), 1.4e-6)
+            << "road " << road.id << " at " << e.s;
+      }
     EXPECT_GT(road.id, last_id);
     last_id = road.id;
     ASSERT_FALSE(road.plan.empty());

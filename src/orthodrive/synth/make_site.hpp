@@ -31,8 +31,8 @@ struct SynthOptions {
   int threads = 0;    ///< 0 = all cores; the result does not depend on it
   std::string world;  ///< what the site looks like (synth/paint/world.hpp): a name or "random"; empty: the plain one
   const PhotoTextures* textures = nullptr;  ///< of real photos; none: surfaces as the generator paints them
-  /// Of the labels, with the classes of synth/paint/label_classes.hpp; the site then shows landmarks, too. None: the default
-  /// table.
+  /// Of the labels, with the classes of synth/paint/label_classes.hpp; the site then shows landmarks, too. None: the
+  /// default table.
   const ClassTable* classes = nullptr;
   int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it
 };

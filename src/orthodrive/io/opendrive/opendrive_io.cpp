@@ -173,8 +173,7 @@ bool is_unmarked(const Lane& lane) {
 /// zero_width_at_end of ASAM's checker).
 bool leads_on(const Lane& lane, double s_in_section) {
   constexpr double least_width_m = 1e-6;
-  return lane.id == 0 || roadquery::is_driven(lane.type) ||
-         roadquery::lane_width(lane, s_in_section) > least_width_m;
+  return lane.id == 0 || roadquery::is_driven(lane.type) || roadquery::lane_width(lane, s_in_section) > least_width_m;
 }
 
 /// `limit_mps` > 0 stands at lanes without one of their own, too: SUMO reads it there only, and only of roads outside

@@ -91,7 +91,8 @@ struct RoadPath {
   /// The same word for the whole road; empty: cars may drive there.
   std::string use;
   /// Lanes of one kind of vehicle at the road's sides, "bus:right bicycle:along": bus lanes are the outermost of the
-  /// lanes, cycle lanes (bicycle) lie beside them. Sides: left, right, along (of who drives with the path), against.
+  /// lanes, cycle lanes (bicycle) lie beside them. Sides: left, right, along (of those that drive with the path),
+  /// against.
   std::string side_lanes;
   Placement placement;           ///< where no photo has shown where the carriageway lies
   double speed_limit_kmh = 0.0;  ///< 0: not tagged

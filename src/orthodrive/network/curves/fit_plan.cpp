@@ -186,15 +186,18 @@ PlanFit cubic_fit(std::span<const Vec2> points, bool closed) {
 }
 
 /// Curvatures that differ by less than a file or a reader can tell are one: SUMO drops spirals whose ends are the same,
-/// CommonRoad refuses a file for one whose ends differ by 1.35e-6 1/m. The end moves by change length^2 / 12 to the
-/// side by it, 5e-6 m at most, and keeps its heading.
-roadquery::PlanShape shape_of(double curvature0, double curvature1, double length) {
-  const double change = std::abs(curvature1 - curvature0);
-  constexpr double least_change = 2e-6, most_aside_m = 5e-6;
-  if (change > least_change || change * length * length / 12.0 > most_aside_m) return Spiral{curvature0, curvature1};
+/// CommonRoad refuses a file for one whose ends differ by 1.35e-6 1/m. The arc of the mean curvature ends
+/// change length^2 / 12 to the side of the spiral, so it is turned back by change length / 12 and ends in its place.
+void set_shape(double curvature0, double curvature1, PlanElement& e) {
+  const double change = curvature1 - curvature0, turn = change * e.length / 12.0;
+  constexpr double least_change = 2e-6, most_turn_rad = 4.5e-7;  // two of them meet at a joint
   const double mean = 0.5 * (curvature0 + curvature1);
-  if (mean == 0.0) return Line{};
-  return Arc{mean};
+  if (std::abs(change) > least_change || std::abs(turn) > most_turn_rad)
+    e.shape = Spiral{curvature0, curvature1};
+  else if (mean != 0.0)
+    e.shape = Arc{mean}, e.hdg = wrapped_angle(e.hdg - turn);
+  else
+    e.shape = Line{}, e.hdg = wrapped_angle(e.hdg - turn);
 }
 
 PlanElement element_of(const ClothoidChain::Element& element, double s, Vec2 origin) {
@@ -204,8 +207,7 @@ PlanElement element_of(const ClothoidChain::Element& element, double s, Vec2 ori
                 .hdg = wrapped_angle(element.start.heading_rad),
                 .length = element.length_m};
   if (element.kind == ElementKind::arc) e.shape = Arc{element.start.curvature};
-  if (element.kind == ElementKind::clothoid)
-    e.shape = shape_of(element.start.curvature, element.end_curvature, element.length_m);
+  if (element.kind == ElementKind::clothoid) set_shape(element.start.curvature, element.end_curvature, e);
   return e;
 }
 
@@ -272,8 +274,9 @@ std::vector<PlanElement> turn(const Pose& from, const Pose& to) {
   if (std::none_of(arcs.begin(), arcs.end(),
                    [&](const PlanElement& e) { return 2.0 * std::abs(curvature_of(e)) >= sharpest; }))
     return arcs;
-  return {
-      {0.0, from.p.x, from.p.y, heading(from), fit.length_m, shape_of(fit.curvature0, fit.curvature1, fit.length_m)}};
+  PlanElement e{.x = from.p.x, .y = from.p.y, .hdg = heading(from), .length = fit.length_m};
+  set_shape(fit.curvature0, fit.curvature1, e);
+  return {e};
 }
 
 double plan_length(std::span<const PlanElement> plan) {
@@ -303,10 +306,10 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
                         roadquery::place_along(e, *poly, b - e.s).p / range);
     } else {
       const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
-      part = {0.0, q.x, q.y, wrapped_angle(q.hdg), 0.0, e.shape};
+      part = {0.0, q.x, q.y, wrapped_angle(q.hdg), b - a, e.shape};
       if (const Spiral* spiral = std::get_if<Spiral>(&e.shape)) {  // weighted means: exact at both ends
         const auto [k0, k1] = *spiral;
-        part.shape = shape_of(k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v, b - a);
+        set_shape(k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v, part);
       }
     }
     part.s = result.empty() ? 0.0 : plan_length(result);

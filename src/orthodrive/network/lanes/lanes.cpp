@@ -209,7 +209,7 @@ bool has_one_lane(const RoadPath& path, double width_m) {
   return path.roundabout ? width_m < one_lane_ring_m : is_one_of(path.highway, narrow);
 }
 
-/// The lanes of one direction by the words of who uses them, from the inside out.
+/// The lanes of one direction by the words for their users, from the inside out.
 using LaneWords = std::vector<std::string>;
 
 std::vector<std::string_view> parts_of(std::string_view list) {
@@ -550,7 +550,7 @@ std::vector<int> lanes_of_direction(const Road& road, bool forward) {
   ids = ids_of(own, is_both);
   if (!ids.empty()) return ids;
   ids = ids_of(others, is_both);
-  std::reverse(ids.begin(), ids.end());  // from the inside of who drives against the road
+  std::reverse(ids.begin(), ids.end());  // from the inside of those that drive against the road
   return ids.empty() ? ids_of(own, is_vehicle) : ids;
 }
 
