@@ -198,6 +198,14 @@ inline JointGaps element_gaps(const roadquery::RoadMap& map) {
   return gaps;
 }
 
+/// CommonRoad refuses spirals of almost one curvature.
+inline void expect_no_almost_arc(const roadquery::Road& road) {
+  for (const roadquery::PlanElement& e : road.plan)
+    if (const auto* spiral = std::get_if<roadquery::Spiral>(&e.shape); spiral && e.length < 3.0) {
+      EXPECT_GT(std::abs(spiral->curvature_end - spiral->curvature_start), 1.4e-6) << "road " << road.id << ", " << e.s;
+    }
+}
+
 /// What must hold for any map: finite, gap-free, smooth, every id resolves, every lane link resolves.
 inline void expect_sound(const roadquery::RoadMap& map) {
   const JointGaps joints = joint_gaps(map), elements = element_gaps(map);
@@ -219,11 +227,7 @@ inline void expect_sound(const roadquery::RoadMap& map) {
   };
   int last_id = 0;
   for (const roadquery::Road& road : map.roads) {
-    for (const roadquery::PlanElement& e : road.plan)  // CommonRoad refuses such spirals
-      if (const auto* spiral = std::get_if<roadquery::Spiral>(&e.shape); spiral && e.length < 3.0) {
-        EXPECT_GT(std::abs(spiral->curvature_end - spiral->curvature_start), 1.4e-6)
-            << "road " << road.id << " at " << e.s;
-      }
+    expect_no_almost_arc(road);
     EXPECT_GT(road.id, last_id);
     last_id = road.id;
     ASSERT_FALSE(road.plan.empty());

@@ -167,6 +167,16 @@ struct Mistake {
   std::string text, message;
 };
 
+void expect_told(const std::vector<Mistake>& mistakes) {
+  for (const Mistake& mistake : mistakes) {
+    SCOPED_TRACE(mistake.text);
+    const std::string message = site_message_of<InputError>(mistake.text);
+    EXPECT_THAT(message, HasSubstr("site.toml"));
+    EXPECT_THAT(message, HasSubstr(mistake.message));
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+}
+
 TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
   const std::vector<Mistake> mistakes{
       {"name = \n", ":1: "},
@@ -195,6 +205,17 @@ TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
        ":4: 'sources.photo' has an entry of the wrong type"},
       {area + "[sources]\nphoto=['a.tif','']\nosm='r.osm'\ndtm='a.tif'\n", ":4: 'sources.photo' is empty"},
       {area + "[sources]\nphoto='WMTS:https://x/y.xml'\nosm='r.osm'\ndtm='a.tif'\n", "an address and no file"},
+  };
+  expect_told(mistakes);
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"nonsense"}), HasSubstr("section.key=value"));
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"sources.foto=x.tif"}),
+              HasSubstr("--set sources.foto=x.tif: 'sources.foto' is not known here; did you mean 'photo'?"));
+  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"drive.route=[1]"}), HasSubstr("--set drive.route=[1]: "));
+  EXPECT_THROW((void)read_site("/nonexistent/site.toml"), InputError);
+}
+
+TEST(Site, mistakes_of_the_area_are_told) {
+  expect_told({
       {sources, ": [area] needs one of bbox_wgs84"},
       {"[area]\n" + sources, ":1: [area] needs one of bbox_wgs84"},
       {"[area]\nbbox_wgs84=[12.1, 57, 12.0, 57.1]\n" + sources,
@@ -217,19 +238,7 @@ TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
       {"[area]\npolygon=[[12.0,57.0],[12.1,57.1],[12.1,57.0],[12.0,57.1],[12.0,57.0]]\n" + sources,
        "its outer ring crosses or touches itself near 12.050000, 57.050000"},
       {"[area]\npolygon='none.geojson'\n" + sources, ":2: 'area.polygon': "},
-  };
-  for (const Mistake& mistake : mistakes) {
-    SCOPED_TRACE(mistake.text);
-    const std::string message = site_message_of<InputError>(mistake.text);
-    EXPECT_THAT(message, HasSubstr("site.toml"));
-    EXPECT_THAT(message, HasSubstr(mistake.message));
-    EXPECT_EQ(message.find('\n'), std::string::npos);
-  }
-  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"nonsense"}), HasSubstr("section.key=value"));
-  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"sources.foto=x.tif"}),
-              HasSubstr("--set sources.foto=x.tif: 'sources.foto' is not known here; did you mean 'photo'?"));
-  EXPECT_THAT(site_message_of<OptionError>(area + sources, {"drive.route=[1]"}), HasSubstr("--set drive.route=[1]: "));
-  EXPECT_THROW((void)read_site("/nonexistent/site.toml"), InputError);
+  });
 }
 
 TEST(Site, a_polygon_is_an_area_inline_or_out_of_geojson) {
