@@ -104,7 +104,9 @@ export function showDashboard(car: CarState, originHeight_m: number): void {
   element('lap-time').textContent = formatLapTime(car.t_s);
   element('distance').textContent = `${car.s_m.toFixed(0)} m`;
   element('height').textContent = `${(car.z_m + originHeight_m).toFixed(1)} m`;
-  element('gradient').textContent = `${car.gradient >= 0 ? '+' : '−'}${Math.abs(100 * car.gradient).toFixed(1)} %`;
+  const gradient = Math.abs(100 * car.gradient).toFixed(1);
+  const sign = gradient === '0.0' ? '' : car.gradient > 0 ? '+' : '−';
+  element('gradient').textContent = `${sign}${gradient} %`;
   element('lateral').textContent = `${Math.abs(car.a_lat_mps2 / 9.81).toFixed(2)} g`;
   const slider = element<HTMLInputElement>('time');
   slider.value = String(car.t_s);
