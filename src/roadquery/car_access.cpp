@@ -56,6 +56,7 @@ void close_lanes_to_cars(Road& road, const std::vector<RoadParts::Access>& acces
   std::map<std::pair<std::size_t, int>, std::vector<RoadParts::Access>> of_lanes;
   for (const RoadParts::Access& access : accesses) of_lanes[{access.section, access.lane}].push_back(access);
   std::vector<double> starts;
+  starts.reserve(road.sections.size());
   for (const LaneSection& section : road.sections) starts.push_back(section.s);
   std::sort(starts.begin(), starts.end());
   for (auto& [place, of_lane] : of_lanes) {

@@ -72,7 +72,7 @@ class NamespacePrefixes {
   }
   [[nodiscard]] bool are_ours(std::string_view element) const {
     const std::string prefix = prefix_of(element);
-    if (prefix.empty() || prefix == root_) return true;
+    if (prefix.empty() || !root_ || prefix == *root_) return true;
     const auto uri = uris_.find(prefix), of_root = uris_.find(*root_);
     return uri != uris_.end() && (uri->second.find("opendrive") != std::string::npos ||
                                   (of_root != uris_.end() && of_root->second == uri->second));

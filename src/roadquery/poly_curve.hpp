@@ -22,7 +22,7 @@ struct PolyPlace {
 /// Length of the curve over its whole range of the parameter, m.
 [[nodiscard]] double curve_length(const PlanElement& element, const ParamPoly3& poly);
 
-/// A <poly3> (1.1 - 1.7, 8.5): v = a + b u + c u^2 + d u^3, `length_m` long, as a normalized ParamPoly3.
+/// A poly3 element (1.1 - 1.7, 8.5): v = a + b u + c u^2 + d u^3, `length_m` long, as a normalized ParamPoly3.
 [[nodiscard]] ParamPoly3 from_poly3(const Cubic& v_of_u, double length_m);
 
 /// Along the heading and to the left of it, coefficients of du to du^5 of the curve around a place, du metres of the

@@ -17,6 +17,7 @@ using ::testing::HasSubstr;
 
 std::vector<int> road_ids(const RoadMap& map, const Route& route) {
   std::vector<int> ids;
+  ids.reserve(route.steps.size());
   for (const RouteStep& step : route.steps)
     ids.push_back((step.forward ? 1 : -1) * map.roads[static_cast<std::size_t>(step.road)].id);
   return ids;

@@ -214,7 +214,9 @@ TEST(TurningPlaces, a_circle_at_a_dead_end_is_paved) {
   EXPECT_EQ(path.nodes.front().width_m, 5.5);
   for (std::size_t i = 1; i < path.nodes.size(); ++i) EXPECT_GT(path.nodes[i].s_m, path.nodes[i - 1].s_m);
   roads = straight_road(5.5);
-  io::widen_at({*io::turning_place(1, {{"highway", "turning_loop"}})}, site_of(200).area, roads);
+  const auto loop = io::turning_place(1, {{"highway", "turning_loop"}});
+  ASSERT_TRUE(loop.has_value());
+  io::widen_at({*loop}, site_of(200).area, roads);
   EXPECT_NEAR(widest_m(roads.paths[0]), 18.0, 0.3);
   EXPECT_EQ(roads.paths[0].nodes.back().width_m, 5.5);
   EXPECT_LT(roads.paths[0].nodes.front().p.x, origin.x + 10.0) << "at the beginning of the way";
@@ -224,7 +226,9 @@ TEST(TurningPlaces, a_passing_place_is_as_wide_as_two_cars_need) {
   RoadNetwork roads = straight_road(3.0);
   roads.paths[0].nodes.insert(roads.paths[0].nodes.begin() + 1,
                               {.p = origin + Vec2{60, 50}, .osm_node = 7, .s_m = 50.0, .width_m = 3.0});
-  io::widen_at({*io::turning_place(7, {{"highway", "passing_place"}})}, site_of(200).area, roads);
+  const auto place = io::turning_place(7, {{"highway", "passing_place"}});
+  ASSERT_TRUE(place.has_value());
+  io::widen_at({*place}, site_of(200).area, roads);
   EXPECT_NEAR(widest_m(roads.paths[0]), 5.5, 1e-9);
   EXPECT_EQ(roads.paths[0].nodes.front().width_m, 3.0);
   EXPECT_EQ(roads.paths[0].nodes.back().width_m, 3.0);
@@ -241,6 +245,7 @@ TEST(TagRules, tags_that_are_not_read_are_named) {
                                        {"name", "High Street"}},
                                       io::TaggedObject::way);
   std::vector<std::string> tags;
+  tags.reserve(unread.size());
   for (const io::UnreadTag& tag : unread) tags.push_back(tag.tag);
   EXPECT_THAT(tags, testing::UnorderedElementsAre("traffic_calming=hump", "change:lanes=yes|no", "cycleway:left=track",
                                                   "maxspeed:conditional=30 @ (22:00-06:00)"));

@@ -102,6 +102,7 @@ class OsmDialects : public testing::Test {
 
 TEST_F(OsmDialects, objects_in_any_order_and_twice) {
   std::vector<std::string> objects;
+  objects.reserve(std::size(map_nodes) + 2 * std::size(map_ways));
   for (const MapNode& node : map_nodes) objects.push_back(node_xml(node));
   for (const MapWay& way : map_ways) objects.push_back(way_xml(way)), objects.push_back(way_xml(way));
   std::mt19937 random(7);

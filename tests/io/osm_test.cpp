@@ -144,7 +144,7 @@ TEST(OsmTags, lanes_of_both_directions) {
 }
 
 TEST(OsmTags, surface_classes) {
-  const auto read = [](io::OsmTags tags) { return io::way_attributes(tags); };
+  const auto read = [](const io::OsmTags& tags) { return io::way_attributes(tags); };
   io::WayAttributes way = read({{"highway", "residential"}, {"surface", "sett"}});
   EXPECT_EQ(way.path.known_surface.surface, SurfaceClass::setts);
   EXPECT_EQ(way.path.known_surface.source, SurfaceSource::tag);

@@ -46,6 +46,7 @@ fs::path write(const fs::path& path, const PhotoFile& file, const Paint& paint) 
   io::start_gdal();
   std::vector<char*> options;
   std::vector<std::string> texts = file.options;
+  options.reserve(texts.size() + 1);
   for (std::string& text : texts) options.push_back(text.data());
   options.push_back(nullptr);
   GDALDataset* dataset = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(

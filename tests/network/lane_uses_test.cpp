@@ -20,6 +20,7 @@ const Road& of_way(const roadquery::RoadMap& map, const std::string& osm_id) {
 
 std::vector<LaneType> types(const std::vector<Lane>& lanes) {
   std::vector<LaneType> result;
+  result.reserve(lanes.size());
   for (const Lane& lane : lanes) result.push_back(lane.type);
   return result;
 }

@@ -10,7 +10,7 @@
 namespace orthodrive {
 namespace {
 
-RoadPath path_of(std::int64_t way, std::vector<std::pair<Vec2, std::int64_t>> nodes, double width_m = 6.5) {
+RoadPath path_of(std::int64_t way, const std::vector<std::pair<Vec2, std::int64_t>>& nodes, double width_m = 6.5) {
   RoadPath path{.osm_id = way, .highway = "residential"};
   for (const auto& [p, id] : nodes) {
     const double s_m = path.nodes.empty() ? 0.0 : path.nodes.back().s_m + distance(path.nodes.back().p, p);

@@ -165,6 +165,7 @@ std::vector<std::string> lane_uses(const OsmTags& tags, WayAttributes& way, bool
     for (std::size_t i = 0; i < list.size(); ++i) lanes[i].*member = list[i].substr(0, list[i].find(';'));
   }
   std::vector<std::string> uses;
+  uses.reserve(lanes.size());
   for (const Permits& lane : lanes) uses.push_back(use_of(lane, false));
   return uses;
 }
@@ -221,7 +222,6 @@ void read_placement(const OsmTags& tags, WayAttributes& way) {
   Placement& placement = way.path.placement;
   for (const bool forward : {true, false}) {
     if (placement.is_told() || placement.transition) return;
-    const std::string suffix = forward != way.reversed ? ":forward" : ":backward";
     const int lanes = forward ? way.path.lanes_forward : way.path.lanes_backward;
     const auto read = [&](const std::string& text, const std::string& key) {
       const double place = placement_of(text);

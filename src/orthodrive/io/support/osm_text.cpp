@@ -45,7 +45,8 @@ class TextBlocks {
   ~TextBlocks() {
     try {
       blocks_->close();
-    } catch (const std::exception&) {  // what matters was read, or is thrown already
+    } catch (const std::exception&) {
+      blocks_.reset();  // what matters was read, or is thrown already
     }
   }
   TextBlocks(const TextBlocks&) = delete;
