@@ -26,6 +26,7 @@ def names_licence(name):
 # docs/conventions.md, "Plain words": "one a node" is "one per node", and nobody is "of who".
 THINGS = (
     "vertex|place|chain|node|path|road|point|pixel|class|stage|file|line|tile|cell|layer|way|level|row|side|channel"
+    "|direction|segment|lane|edge|key|tag|value|photo|band"
 )
 PLAIN = re.compile(rf"\b(?:one|two|three|[0-9.]+) an? (?:{THINGS})\b|\b[Oo]f who\b")
 

@@ -33,13 +33,6 @@ namespace {
 
 using namespace network;
 
-Box2 bounds_of_nodes(const RoadNetwork& roads) {
-  Ring nodes;
-  for (const RoadPath& path : roads.paths)
-    for (const RoadNode& node : path.nodes) nodes.push_back(node.p);
-  return bounds_of(nodes);
-}
-
 void set_bounds(roadquery::RoadMap& map) {
   constexpr double margin_m = 20.0;  // the carriageway beside the reference line, and the bulge of arcs between samples
   if (map.roads.empty()) return;
@@ -128,7 +121,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   leave_room_beside(roads, topology, junctions, cuts, geometry);
   progress(0.9);
   result.map.name = options.name;
-  if (!roads.crs.definition.empty()) result.map.geo_reference = geo_reference(roads.crs, bounds_of_nodes(roads));
+  if (!roads.crs.definition.empty()) result.map.geo_reference = geo_reference(roads.crs, bounds_of_roads(roads));
   const NetworkPlan plan{input, roads, topology, geometry, junctions, cuts, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
   const JunctionParts parts = add_junctions(plan, ends, result.map, result.findings);

@@ -29,7 +29,7 @@ constexpr double unseen_finding_m = 20.0;  // shorter stretches without a road i
 
 struct RefinedChain {
   ChainFit fit;
-  std::vector<bool> road_near;  // one a segment
+  std::vector<bool> road_near;  // one for each segment
 };
 
 void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,

@@ -16,6 +16,7 @@
 
 #include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/geo/polyline.hpp"
+#include "orthodrive/geo/segment.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 
@@ -197,8 +198,7 @@ class EndJoiner {
       const RoadPath& other = roads_.paths[path];
       if (other.layer != own.layer || other.bridge != own.bridge || other.tunnel != own.tunnel) continue;
       const Vec2 a = lines_[path][k], ab = lines_[path][k + 1] - a;
-      const double length2 = dot(ab, ab);
-      const double fraction = length2 > 0.0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
+      const double fraction = share_along(a, lines_[path][k + 1], p);
       const Vec2 q = a + ab * fraction;
       const double s = s_m_[path][k] + fraction * (s_m_[path][k + 1] - s_m_[path][k]);
       if (path == end.path && std::abs(s - s_m_[path][end.node]) < own_reach_m) continue;

@@ -78,7 +78,7 @@ ProfileEnergy energy(const RoadNetwork& roads, const TerrainSamples& terrain, co
 
 // ---- the reference's methods (baselines/reference_heights.hpp)
 
-/// Heights, and gradients between the middles of the segments at both sides (eq. 3.14 has one a segment).
+/// Heights, and gradients between the middles of the segments at both sides (eq. 3.14 has one for each segment).
 void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
     auto& nodes = roads.paths[k].nodes;

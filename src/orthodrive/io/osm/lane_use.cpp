@@ -5,16 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <initializer_list>
 
 namespace orthodrive::io {
 namespace {
-std::string use_value(const OsmTags& tags, const std::string& key) {
-  const auto it = tags.find(key);
-  return it == tags.end() ? std::string() : it->second;
-}
-
 bool way_is_one_way(const WayAttributes& way) { return way.path.oneway == Oneway::forward; }
 
 bool has_own(const std::string& value) { return value == "designated" || value == "official"; }
@@ -69,23 +63,22 @@ std::vector<std::string> tagged_side_lanes(const OsmTags& tags, const WayAttribu
   const bool one_way = way_is_one_way(way);
   const auto is_lane = [](const std::string& value) { return value == "lane" || value == "opposite_lane"; };
   const auto add = [&](std::string_view side) { words.push_back(side_word(kind, side, way.reversed)); };
-  const std::string all = use_value(tags, key);
+  const std::string all = tag_value(tags, key);
   if (all == "lane") add("along");
   if (all == "opposite_lane" || (all == "lane" && !one_way)) add("against");
-  const bool both = is_lane(use_value(tags, key + ":both"));
+  const bool both = is_lane(tag_value(tags, key + ":both"));
   for (const char* side : {"left", "right"})
-    if (const std::string value = use_value(tags, fmt::format("{}:{}", key, side)); both || is_lane(value))
-      one_way&& value == "opposite_lane" ? add("against") : add(side);
+    if (const std::string value = tag_value(tags, fmt::format("{}:{}", key, side)); both || is_lane(value))
+      add(one_way && value == "opposite_lane" ? "against" : side);
   return words;
 }
 
 /// lanes:bus=1 and neighbours: so many of the outermost lanes of a direction.
 void read_lane_counts(const OsmTags& tags, WayAttributes& way, const char* kind) {
   const auto count = [&](const std::string& suffix) {
-    const std::string text = use_value(tags, fmt::format("lanes:{}{}", kind, suffix));
-    int value = 0;
-    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool good = failed == std::errc() && end == text.data() + text.size() && value >= 0 && value <= 8;
+    const std::string text = tag_value(tags, fmt::format("lanes:{}{}", kind, suffix));
+    const int value = parse_whole_number(text).value_or(-1);
+    const bool good = value >= 0 && value <= 8;
     if (!text.empty() && !good)
       way.doubts.push_back(fmt::format("lanes:{}{}={} is no number of lanes, left out", kind, suffix, text));
     return good ? value : 0;
@@ -117,14 +110,8 @@ bool names_kind(const RoadPath& path, std::string_view kind) {
 }  // namespace
 
 std::vector<std::string> lane_list(const std::string& text) {
-  std::vector<std::string> parts;
-  if (text.empty()) return parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('|', begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
+  const std::vector<std::string_view> words = lane_words(text);
+  return {words.begin(), words.end()};
 }
 
 std::string joined_lanes(const std::vector<std::string>& lanes) {
@@ -134,16 +121,16 @@ std::string joined_lanes(const std::vector<std::string>& lanes) {
 }
 
 std::string lane_value(const OsmTags& tags, const WayAttributes& way, const std::string& key, bool forward) {
-  std::string value = use_value(tags, key + (forward != way.reversed ? ":forward" : ":backward"));
-  return value.empty() && forward && way_is_one_way(way) ? use_value(tags, key) : value;
+  std::string value = tag_value(tags, key + (forward != way.reversed ? ":forward" : ":backward"));
+  return value.empty() && forward && way_is_one_way(way) ? tag_value(tags, key) : value;
 }
 
 std::string road_use(const OsmTags& tags, const std::string& highway) {
   if (highway == "raceway") return "";
   Permits permits;
-  for (const auto& [key, member] : permit_keys) permits.*member = use_value(tags, key);
+  for (const auto& [key, member] : permit_keys) permits.*member = tag_value(tags, key);
   const bool busway = highway == "busway";
-  // A road, other than a lane, is no more than open to who it is designated to.
+  // A designation closes a lane to others, but no road.
   if (!busway && permits.access != "no" && permits.vehicle != "no" && permits.motor_vehicle != "no" &&
       permits.motorcar != "no")
     return "";
@@ -171,11 +158,11 @@ std::vector<std::string> lane_uses(const OsmTags& tags, WayAttributes& way, bool
 }
 
 std::string counter_use(const OsmTags& tags) {
-  const auto against = [&](const char* key) { return use_value(tags, fmt::format("oneway:{}", key)) == "no"; };
+  const auto against = [&](const char* key) { return tag_value(tags, fmt::format("oneway:{}", key)) == "no"; };
   if (against("psv") || (against("bus") && against("taxi"))) return "psv";
   if (against("bus")) return "bus";
   if (against("taxi")) return "taxi";
-  if (against("bicycle") || use_value(tags, "cycleway").starts_with("opposite")) return "bicycle";
+  if (against("bicycle") || tag_value(tags, "cycleway").starts_with("opposite")) return "bicycle";
   return "none";
 }
 
@@ -208,10 +195,7 @@ double placement_of(std::string_view text) {
       {{"left_of:", 0.0}, {"middle_of:", 0.5}, {"right_of:", 1.0}}};
   for (const auto& [beginning, share] : kinds) {
     if (!text.starts_with(beginning)) continue;
-    const std::string_view number = text.substr(beginning.size());
-    int lane = 0;
-    const auto [end, failed] = std::from_chars(number.data(), number.data() + number.size(), lane);
-    if (failed == std::errc() && end == number.data() + number.size() && lane >= 1 && lane <= 16)
+    if (const int lane = parse_whole_number(text.substr(beginning.size())).value_or(0); lane >= 1 && lane <= 16)
       return lane - 1 + share;
   }
   return -1.0;
@@ -241,12 +225,12 @@ void read_placement(const OsmTags& tags, WayAttributes& way) {
   if (placement.is_told() || placement.transition) return;
   placement = {};
   if (way.path.oneway == Oneway::no) {
-    if (tags.contains("placement") && use_value(tags, "placement") == "transition")
+    if (tags.contains("placement") && tag_value(tags, "placement") == "transition")
       placement.transition = true;
     else if (tags.contains("placement"))
       way.doubts.push_back(
           fmt::format("placement={} of a road for both directions does not tell of which one, left out",
-                      use_value(tags, "placement")));
+                      tag_value(tags, "placement")));
   }
 }
 

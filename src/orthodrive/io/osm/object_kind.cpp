@@ -2,6 +2,7 @@
 #include "orthodrive/io/osm/object_kind.hpp"
 
 #include <array>
+#include <string>
 #include <string_view>
 
 namespace orthodrive::io {
@@ -57,11 +58,6 @@ constexpr std::array<SignMeaning, 10> signs = {{
     {"DE:310", ObjectKind::city_sign},
 }};
 
-std::string_view value_of(const OsmTags& tags, std::string_view key) {
-  const auto found = tags.find(std::string(key));
-  return found == tags.end() ? std::string_view{} : std::string_view(found->second);
-}
-
 ObjectKind sign_kind(std::string_view sign) {
   for (const SignMeaning& meaning : signs)
     if (sign.starts_with(meaning.part)) return meaning.kind;
@@ -72,10 +68,10 @@ ObjectKind sign_kind(std::string_view sign) {
 
 std::optional<ObjectKind> object_kind(const OsmTags& tags) {
   for (const Meaning& meaning : meanings) {
-    const std::string_view value = value_of(tags, meaning.key);
+    const std::string_view value = tag_value(tags, std::string(meaning.key));
     if (value.empty() || value == "no" || (!meaning.value.empty() && value != meaning.value)) continue;
     if (meaning.kind == ObjectKind::other_sign) return sign_kind(value);
-    if (meaning.kind == ObjectKind::bus_stop && value_of(tags, "shelter") == "yes") return ObjectKind::bus_shelter;
+    if (meaning.kind == ObjectKind::bus_stop && tag_value(tags, "shelter") == "yes") return ObjectKind::bus_shelter;
     return meaning.kind;
   }
   return std::nullopt;

@@ -19,11 +19,6 @@ constexpr double no_limit_kmh = 130.0;
 constexpr double walk_kmh = 7.0;  // what courts take "Schrittgeschwindigkeit" for
 constexpr int max_lanes = 16;     // more is a slip of the keyboard
 
-std::string value_of(const OsmTags& tags, const char* key) {
-  const auto it = tags.find(key);
-  return it == tags.end() ? std::string() : it->second;
-}
-
 /// Speeds that a country's law gives a kind of place: "CZ:urban". The entry without a country holds for all others.
 struct ZoneSpeed {
   std::string_view country, zone;
@@ -66,10 +61,9 @@ double zone_speed_kmh(std::string_view country, std::string_view zone) {
 
 /// A number of lanes; 0 for none, with a doubt when it cannot be read.
 int lane_count(const OsmTags& tags, const char* key, WayAttributes& way) {
-  const std::string text = value_of(tags, key);
-  int value = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (!text.empty() && (failed != std::errc() || end != text.data() + text.size() || value < 0 || value > max_lanes)) {
+  const std::string text = tag_value(tags, key);
+  const int value = parse_whole_number(text).value_or(text.empty() ? 0 : -1);
+  if (value < 0 || value > max_lanes) {
     way.doubts.push_back(fmt::format("{}={} is no number of lanes, left out", key, text));
     return 0;
   }
@@ -78,10 +72,10 @@ int lane_count(const OsmTags& tags, const char* key, WayAttributes& way) {
 
 Sides sides_of(const OsmTags& tags, const std::string& key) {
   const auto yes = [](const std::string& value) { return value == "yes" || value == "both"; };
-  const std::string all = value_of(tags, key.c_str());
-  const bool both = yes(all) || yes(value_of(tags, (key + ":both").c_str()));
-  const bool left = both || all == "left" || yes(value_of(tags, (key + ":left").c_str()));
-  const bool right = both || all == "right" || yes(value_of(tags, (key + ":right").c_str()));
+  const std::string all = tag_value(tags, key);
+  const bool both = yes(all) || yes(tag_value(tags, key + ":both"));
+  const bool left = both || all == "left" || yes(tag_value(tags, key + ":left"));
+  const bool right = both || all == "right" || yes(tag_value(tags, key + ":right"));
   return static_cast<Sides>((left ? 1 : 0) + (right ? 2 : 0));
 }
 
@@ -119,7 +113,7 @@ void settle_one_way(const OsmTags& tags, WayAttributes& way) {
   path.use_backward = joined_lanes(std::vector<std::string>(static_cast<std::size_t>(against), use));
 }
 
-/// One number of lanes a direction, where the tags say two.
+/// One number of lanes for each direction, where the tags say two.
 void settle_two_way(WayAttributes& way) {
   RoadPath& path = way.path;
   const int both = path.lanes_both_ways, sum = path.lanes_forward + path.lanes_backward;
@@ -223,8 +217,8 @@ void read_lanes(const OsmTags& tags, WayAttributes& way) {
   path.lanes_forward = lane_count(tags, way.reversed ? "lanes:backward" : "lanes:forward", way);
   path.lanes_backward = lane_count(tags, way.reversed ? "lanes:forward" : "lanes:backward", way);
   path.lanes_both_ways = lane_count(tags, "lanes:both_ways", way);
-  const std::string centre = value_of(tags, "centre_turn_lane"), oneway = value_of(tags, "oneway");
-  if (path.lanes_both_ways == 0 && (centre == "yes" || !value_of(tags, "turn:lanes:both_ways").empty()))
+  const std::string centre = tag_value(tags, "centre_turn_lane"), oneway = tag_value(tags, "oneway");
+  if (path.lanes_both_ways == 0 && (centre == "yes" || !tag_value(tags, "turn:lanes:both_ways").empty()))
     path.lanes_both_ways = 1;
   if (oneway == "reversible" || oneway == "alternating") path.lanes_both_ways = path.lanes = std::max(1, path.lanes);
   path.turn_forward = lane_value(tags, way, "turn:lanes", true);
@@ -243,7 +237,7 @@ void spread_turns(const OsmTags& tags, WayAttributes& way, bool forward) {
 /// The limit that maxspeed, maxspeed:type or source:maxspeed tells with such an ending; 0: none.
 double speed_of(const OsmTags& tags, const std::string& ending, WayAttributes& way) {
   for (const char* key : {"maxspeed", "maxspeed:type", "source:maxspeed"}) {
-    const std::string text = value_of(tags, (key + ending).c_str());
+    const std::string text = tag_value(tags, key + ending);
     if (const double kmh = parse_speed_kmh(text); kmh > 0.0) return kmh;
     const bool says_no_speed = text == "signals" || text == "variable" || text == "sign";
     if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed"))
@@ -284,7 +278,7 @@ std::string surface_value(const OsmTags& tags, WayAttributes& way) {
   std::string found;
   for (const char* key : {"surface", "surface:both", "surface:forward", "surface:backward", "surface:right",
                           "surface:left", "surface:lanes", "surface:lanes:forward", "surface:lanes:backward"}) {
-    const std::string text = value_of(tags, key);
+    const std::string text = tag_value(tags, key);
     for (const std::string& value : lane_list(text)) {
       if (found.empty()) found = value;
       if (value == found || value.empty()) continue;
@@ -320,7 +314,7 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
   path.sidewalk = sides_of(tags, "sidewalk");
   path.shoulder = sides_of(tags, "shoulder");
   path.surface = surface_value(tags, way);
-  path.known_surface = surface_of_tags(path.highway, path.surface, value_of(tags, "tracktype"));
+  path.known_surface = surface_of_tags(path.highway, path.surface, tag_value(tags, "tracktype"));
   if (!path.surface.empty() && path.known_surface.source != SurfaceSource::tag)
     way.doubts.push_back(fmt::format("surface={} is not known, took {}", path.surface,
                                      roadquery::to_string(path.known_surface.surface)));

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -30,51 +29,44 @@ constexpr std::string_view lifecycles[] = {"proposed", "planned", "construction"
 
 bool is_one_of_names(std::string_view value, Names names) { return std::ranges::find(names, value) != names.end(); }
 
-std::string_view value_in(const OsmTags& tags, const std::string& key) {
-  const auto found = tags.find(key);
-  return found == tags.end() ? std::string_view{} : std::string_view(found->second);
-}
-
 bool is_given(std::string_view value) { return !is_one_of_names(value, none_values); }
 
-std::optional<int> whole_number(std::string_view text) {
-  int value = 0;
+/// layer=+1 is written, too.
+std::optional<int> layer_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [rest, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || rest != text.data() + text.size()) return std::nullopt;
-  return value;
+  return parse_whole_number(text);
 }
 
 /// The tag that tells that a way is not there, as "highway=proposed"; empty where none does.
 std::string lifecycle_tag(const OsmTags& tags) {
-  const std::string_view highway = value_in(tags, "highway");
+  const std::string_view highway = tag_value(tags, "highway");
   if (is_one_of_names(highway, lifecycles)) {
-    const std::string_view becomes = value_in(tags, std::string(highway));
+    const std::string_view becomes = tag_value(tags, std::string(highway));
     const bool is_road = !is_given(becomes) || becomes == "yes" || is_drivable(std::string(becomes));
     return is_road ? fmt::format("highway={}", highway) : "";
   }
   for (const std::string_view state : lifecycles) {
     const std::string prefixed = fmt::format("{}:highway", state);
-    if (highway.empty() && is_drivable(std::string(value_in(tags, prefixed))))
-      return fmt::format("{}={}", prefixed, value_in(tags, prefixed));
+    if (highway.empty() && is_drivable(std::string(tag_value(tags, prefixed))))
+      return fmt::format("{}={}", prefixed, tag_value(tags, prefixed));
     if (state == "historic") continue;  // historic=yes is told of roads that are old
     // construction=minor and the like: men at work on a road that is open.
-    if (is_drivable(std::string(highway)) && value_in(tags, std::string(state)) == "yes")
+    if (is_drivable(std::string(highway)) && tag_value(tags, std::string(state)) == "yes")
       return fmt::format("{}=yes", state);
-    if (is_drivable(std::string(highway)) && value_in(tags, "bridge") == state) return fmt::format("bridge={}", state);
-    if (is_drivable(std::string(highway)) && value_in(tags, "tunnel") == state) return fmt::format("tunnel={}", state);
+    if (is_drivable(std::string(highway)) && tag_value(tags, "bridge") == state) return fmt::format("bridge={}", state);
+    if (is_drivable(std::string(highway)) && tag_value(tags, "tunnel") == state) return fmt::format("tunnel={}", state);
   }
   return {};
 }
 
 /// The tag that puts a way onto a level of a building; empty where none does.
 std::string level_tag(const OsmTags& tags, const RoadPath& path) {
-  const std::string_view level = value_in(tags, "level"), indoor = value_in(tags, "indoor"),
-                         layer = value_in(tags, "layer");
+  const std::string_view level = tag_value(tags, "level"), indoor = tag_value(tags, "indoor"),
+                         layer = tag_value(tags, "layer");
   const bool is_above = is_given(level) && level != "0.0" && level != "+0", has_layer = is_given(layer);
-  const bool is_indoor = is_given(indoor) || value_in(tags, "location") == "indoor" ||
-                         value_in(tags, "parking") == "multi-storey" || value_in(tags, "parking") == "underground";
-  const bool is_structure = path.bridge || path.tunnel, is_aisle = value_in(tags, "service") == "parking_aisle";
+  const bool is_indoor = is_given(indoor) || tag_value(tags, "location") == "indoor" ||
+                         tag_value(tags, "parking") == "multi-storey" || tag_value(tags, "parking") == "underground";
+  const bool is_structure = path.bridge || path.tunnel, is_aisle = tag_value(tags, "service") == "parking_aisle";
   if (is_above && (is_indoor || is_aisle || !is_structure)) return fmt::format("level={}", level);
   if (has_layer && (is_indoor || (is_aisle && is_structure))) return fmt::format("layer={}", layer);
   return {};
@@ -93,21 +85,21 @@ bool has_road_tags(const osmium::TagList& tags) {
 
 void read_structure_tags(const OsmTags& tags, WayAttributes& way) {
   RoadPath& path = way.path;
-  const std::string_view bridge = value_in(tags, "bridge"), tunnel = value_in(tags, "tunnel"),
-                         layer = value_in(tags, "layer");
+  const std::string_view bridge = tag_value(tags, "bridge"), tunnel = tag_value(tags, "tunnel"),
+                         layer = tag_value(tags, "layer");
   path.bridge = is_given(bridge) && !is_one_of_names(bridge, ground_bridges);
   path.tunnel = is_given(tunnel) && !is_one_of_names(tunnel, ground_tunnels);
-  path.layer = whole_number(layer).value_or(path.bridge ? 1 : path.tunnel ? -1 : 0);
+  path.layer = layer_number(layer).value_or(path.bridge ? 1 : path.tunnel ? -1 : 0);
   const bool is_under_roof = is_one_of_names(tunnel, ground_tunnels) && !tunnel.empty();
   if (is_under_roof && !path.bridge) path.layer = std::max(path.layer, 0);  // a layer below 0 only sorts what is drawn
-  if (is_given(layer) && !whole_number(layer))
+  if (is_given(layer) && !layer_number(layer))
     way.doubts.push_back(
         fmt::format("layer={} is no whole number, took {}", printable(std::string(layer)), path.layer));
 
   if (const std::string tag = lifecycle_tag(tags); !tag.empty())
     way.omitted = {Severity::info, "osm.not_built",
                    fmt::format("{}: planned, under construction, disused or gone, it is left out", printable(tag))};
-  else if (value_in(tags, "area") == "yes" && is_drivable(path.highway))
+  else if (tag_value(tags, "area") == "yes" && is_drivable(path.highway))
     way.omitted = {
         Severity::info, "osm.road_area",
         "area=yes: its outline is no centre line, it is left out; draw a way along its middle to drive on it"};

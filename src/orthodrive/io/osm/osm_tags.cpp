@@ -12,20 +12,20 @@
 namespace orthodrive::io {
 namespace {
 constexpr double foot_m = 0.3048, inch_m = 0.0254;
+}  // namespace
 
-std::string tag_value(const OsmTags& tags, const char* key) {
+const std::string& tag_value(const OsmTags& tags, const std::string& key) {
+  static const std::string none;
   const auto it = tags.find(key);
-  return it == tags.end() ? std::string() : it->second;
+  return it == tags.end() ? none : it->second;
 }
 
-int parse_int(const std::string& text, int otherwise) {
+std::optional<int> parse_whole_number(std::string_view text) {
   int value = 0;
   const char* end = text.data() + text.size();
-  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
-  return failed == std::errc() && stopped == end ? value : otherwise;
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);  // NOLINT(bugprone-suspicious-stringview-data-usage)
+  return failed == std::errc() && stopped == end ? std::optional(value) : std::nullopt;
 }
-
-}  // namespace
 
 double parse_width_m(const std::string& text) {
   std::string clean;
@@ -39,7 +39,7 @@ double parse_width_m(const std::string& text) {
   if (unit.empty() || unit == "m" || unit == "metres" || unit == "meters") return value;
   if (unit == "ft" || unit == "'") return value * foot_m;
   if (unit.front() == '\'' && unit.back() == '"') {
-    const int inches = parse_int(unit.substr(1, unit.size() - 2), -1);
+    const int inches = parse_whole_number(unit.substr(1, unit.size() - 2)).value_or(-1);
     return inches < 0 ? 0.0 : value * foot_m + inches * inch_m;
   }
   return 0.0;
@@ -76,7 +76,7 @@ WayAttributes way_attributes(const OsmTags& tags) {
   path.highway = tag_value(tags, "highway");
   path.name = tag_value(tags, "name");
   read_structure_tags(tags, way);
-  path.lanes = std::max(0, parse_int(tag_value(tags, "lanes"), 0));
+  path.lanes = std::max(0, parse_whole_number(tag_value(tags, "lanes")).value_or(0));
   const std::string junction = tag_value(tags, "junction"), oneway = tag_value(tags, "oneway");
   path.roundabout = junction == "roundabout" || junction == "circular";
   way.reversed = oneway == "-1" || oneway == "reverse";

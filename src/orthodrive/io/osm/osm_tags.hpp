@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,12 @@
 namespace orthodrive::io {
 
 using OsmTags = std::map<std::string, std::string>;
+
+/// The value of a tag; empty where there is none. It lives as long as the tags.
+[[nodiscard]] const std::string& tag_value(const OsmTags& tags, const std::string& key);
+
+/// The whole number that a text is, without a sign or with a minus; none where anything else stands in it.
+[[nodiscard]] std::optional<int> parse_whole_number(std::string_view text);
 
 /// Why a way with the tags of a road is left out.
 struct OmittedWay {

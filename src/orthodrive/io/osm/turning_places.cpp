@@ -16,11 +16,6 @@ constexpr double node_step_m = 2.0;
 constexpr double beyond_share = 0.9;  // of the radius: a road cannot end in a point
 constexpr double least_gain_m = 0.5;  // circles hardly wider than the road are none
 
-std::string place_value(const OsmTags& tags, const char* key) {
-  const auto it = tags.find(key);
-  return it == tags.end() ? std::string() : it->second;
-}
-
 /// The width of the paved place at a distance from its middle. A circle's mouth opens by 45 degrees to each side.
 double place_width_m(const TurningPlace& place, double from_middle_m, bool beyond) {
   const double d = std::abs(from_middle_m);
@@ -89,12 +84,12 @@ void widen_place(const TurningPlace& place, const Polygon& area, bool dead_end, 
 }  // namespace
 
 std::optional<TurningPlace> turning_place(std::int64_t osm_node, const OsmTags& tags) {
-  const std::string highway = place_value(tags, "highway");
+  const std::string highway = tag_value(tags, "highway");
   if (highway == "passing_place") return TurningPlace{osm_node, false, 0.0};
   if (highway != "turning_circle" && highway != "turning_loop") return std::nullopt;
   TurningPlace place{osm_node, true, highway == "turning_loop" ? turning_loop_m : turning_circle_m};
   for (const char* key : {"diameter", "width"})
-    if (const double tagged = parse_width_m(place_value(tags, key)); tagged > 0.0) {
+    if (const double tagged = parse_width_m(tag_value(tags, key)); tagged > 0.0) {
       place.diameter_m = std::min(tagged, widest_circle_m);
       break;
     }

@@ -58,7 +58,7 @@ struct RasterStream::State {
                             errors.text()));
   }
 
-  /// Calls access(band, bytes) for the planes of a tile's pixels, one a band.
+  /// Calls access(band, bytes) for the planes of a tile's pixels, one for each band.
   template <typename Access>
   void for_planes(std::vector<std::uint8_t>& pixels, const Access& access) const {
     for (int b = 0; b < format.bands; ++b) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "orthodrive/core/median.hpp"
 #include "orthodrive/model/rasters/sample_height.hpp"
 
 namespace orthodrive {
@@ -65,8 +66,7 @@ HeightDifferences beyond_border(const HeightGrid& a, const HeightGrid& b, const 
 }
 
 double quantile(std::vector<double>& values, double q) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+  return at_rank(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
 }
 
 /// By the ratio where both are well over the sea. In lowlands by the relief: what is left after conversion must be much

@@ -46,6 +46,24 @@ double default_width_m(const std::string& highway, int lanes, Oneway oneway) {
   return std::max(3.0, count * c->lane_m + c->edge_m) + (count == 1 && c->lane_m < 3.5 ? 0.5 : 0.0);
 }
 
+std::vector<std::string_view> lane_words(std::string_view list) {
+  std::vector<std::string_view> words;
+  if (list.empty()) return words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find('|', begin), list.size());
+    words.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+Box2 bounds_of_roads(const RoadNetwork& roads) {
+  Ring nodes;
+  for (const RoadPath& path : roads.paths)
+    for (const RoadNode& node : path.nodes) nodes.push_back(node.p);
+  return bounds_of(nodes);
+}
+
 std::vector<std::string_view> side_lanes_of(const RoadPath& path) {
   std::vector<std::string_view> words;
   const std::string_view text = path.side_lanes;

@@ -140,6 +140,9 @@ struct RoadNetwork {
 [[nodiscard]] double default_width_m(const std::string& highway, int lanes, Oneway oneway);
 /// Cycle lanes that side_lanes names, as wide as they are usually painted, m.
 [[nodiscard]] double cycle_lanes_m(const RoadPath& path);
+/// The parts of a list of lanes such as use_forward and speeds_forward, one per lane; none of an empty list. They live
+/// as long as the list.
+[[nodiscard]] std::vector<std::string_view> lane_words(std::string_view list);
 /// The words of side_lanes.
 [[nodiscard]] std::vector<std::string_view> side_lanes_of(const RoadPath& path);
 /// Lanes of a road that has only such for both directions: of a single-track road (lanes=1 without oneway, where cars
@@ -152,14 +155,16 @@ struct RoadNetwork {
 /// motorway ... service, track, raceway, busway; not footway, cycleway, path, steps, pedestrian.
 [[nodiscard]] bool is_drivable(const std::string& highway);
 
-/// The same road, its nodes in the other order: what is told of sides and directions changes sides.
+/// The same road, its nodes in the other order: what the tags say of sides and directions changes sides.
 void turn_round(RoadPath& path);
 
 [[nodiscard]] Polyline centerline(const RoadPath& path);
+/// Of all nodes.
+[[nodiscard]] Box2 bounds_of_roads(const RoadNetwork& roads);
 /// Ring of the carriageway polygon of a path: half the width to each side.
 [[nodiscard]] Ring surface_ring(const RoadPath& path);
-/// The same surface as one convex ring a segment: their union is right also where a tight bend folds the ring over
-/// itself.
+/// The same surface as one convex ring for each segment: their union is right also where a tight bend folds the ring
+/// over itself.
 [[nodiscard]] std::vector<Ring> surface_cells(const RoadPath& path);
 
 }  // namespace orthodrive

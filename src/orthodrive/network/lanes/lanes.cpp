@@ -203,7 +203,7 @@ unsigned turn_bits(std::string_view values) {
   return bits;
 }
 
-/// Untagged: a direction.
+/// Untagged: one lane for each direction.
 bool has_one_lane(const RoadPath& path, double width_m) {
   constexpr std::string_view narrow[] = {"unclassified", "residential", "road", "living_street", "service", "track"};
   return path.roundabout ? width_m < one_lane_ring_m : is_one_of(path.highway, narrow);
@@ -211,17 +211,6 @@ bool has_one_lane(const RoadPath& path, double width_m) {
 
 /// The lanes of one direction by the words for their users, from the inside out.
 using LaneWords = std::vector<std::string>;
-
-std::vector<std::string_view> parts_of(std::string_view list) {
-  std::vector<std::string_view> parts;
-  if (list.empty()) return parts;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find('|', begin), list.size());
-    parts.push_back(list.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
 
 LaneUse use_of_word(std::string_view word, LaneType for_cars) {
   if (word == "psv") return {LaneType::bus, {"bus", "taxi"}};
@@ -235,7 +224,7 @@ LaneUse use_of_word(std::string_view word, LaneType for_cars) {
 /// What the list of a direction says, from the inside out; `otherwise` of every lane where it says nothing.
 LaneWords listed_words(const std::string& list, int lanes, const std::string& otherwise, DrivingSide driving_side) {
   LaneWords words(static_cast<std::size_t>(lanes), otherwise);
-  const std::vector<std::string_view> parts = parts_of(list);
+  const std::vector<std::string_view> parts = lane_words(list);
   if (parts.size() != words.size()) return words;
   std::copy(parts.begin(), parts.end(), words.begin());
   if (driving_side == DrivingSide::left) std::reverse(words.begin(), words.end());
@@ -512,12 +501,11 @@ void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSamp
 }
 
 void set_lane_speeds(Road& road, const RoadPath& path) {
-  constexpr double kmh_per_mps_here = 3.6;
   const bool left_hand = road.driving_side == roadquery::DrivingSide::left;
   for (const bool forward : {true, false}) {
     std::vector<double> limits;
-    for (const std::string_view text : parts_of(forward ? path.speeds_forward : path.speeds_backward))
-      limits.push_back(text.empty() ? 0.0 : std::strtod(std::string(text).c_str(), nullptr) / kmh_per_mps_here);
+    for (const std::string_view text : lane_words(forward ? path.speeds_forward : path.speeds_backward))
+      limits.push_back(text.empty() ? 0.0 : std::strtod(std::string(text).c_str(), nullptr) / kmh_per_mps);
     if (limits.empty()) continue;
     if (left_hand) std::reverse(limits.begin(), limits.end());
     std::vector<Lane*> lanes;
@@ -556,8 +544,8 @@ std::vector<int> lanes_of_direction(const Road& road, bool forward) {
 
 std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, DrivingSide driving_side) {
   const std::string& tag = forward ? path.turn_forward : path.turn_backward;
-  const std::vector<std::string_view> turns = parts_of(tag),
-                                      uses = parts_of(forward ? path.use_forward : path.use_backward);
+  const std::vector<std::string_view> turns = lane_words(tag),
+                                      uses = lane_words(forward ? path.use_forward : path.use_backward);
   std::vector<unsigned> lanes;
   for (std::size_t i = 0; i < turns.size(); ++i)
     if (uses.size() != turns.size() || uses[i].empty()) lanes.push_back(turn_bits(turns[i]));

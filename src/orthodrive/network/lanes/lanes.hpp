@@ -18,6 +18,8 @@
 
 namespace orthodrive::network {
 
+inline constexpr double kmh_per_mps = 3.6;
+
 /// Who drives on a lane.
 struct LaneUse {
   roadquery::LaneType type = roadquery::LaneType::driving;
@@ -47,7 +49,7 @@ struct LaneLayout {
 
 /// By the tags lanes, lanes:forward, lanes:backward, lanes:both_ways and oneway; untagged: as many lanes of a usual
 /// width as the median width has room for: of motorways and trunk roads beside their shoulder, of streets and lower
-/// classes one a direction, of roundabouts one up to 8 m. An odd number of lanes gives the additional one to the
+/// classes one for each direction, of roundabouts one up to 8 m. An odd number of lanes gives the additional one to the
 /// forward direction; lanes=1 without oneway is one lane for both. Who may use a lane comes from RoadPath::use_forward,
 /// use_backward, use and side_lanes; lanes against a one-way road are never for cars. No lane is made narrower than 2.2
 /// m for the sake of a tag.

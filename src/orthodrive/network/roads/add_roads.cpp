@@ -21,8 +21,6 @@ using roadquery::Road;
 using roadquery::RoadLink;
 using roadquery::RoadMap;
 
-constexpr double kmh_per_mps = 3.6;
-
 std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
 
 /// In multiples of a centimetre: nobody measures more, and lanes that keep their width are written as such.

@@ -145,16 +145,6 @@ ScoreJson score_roads(const ScoreRequest& request, const RoadScoreOptions& optio
 
 ScoreJson score_roads(const ScoreRequest& request) { return score_roads(request, RoadScoreOptions{}); }
 
-namespace {
-Box2 bounds_of_roads(const RoadNetwork& roads) {
-  Ring points;
-  for (const RoadPath& path : roads.paths)
-    for (const RoadNode& node : path.nodes) points.push_back(node.p);
-  return bounds_of(points);
-}
-
-}  // namespace
-
 ScoreJson score_heights(const ScoreRequest& request) {
   const RoadNetwork roads = io::read_roads(request.scored);
   const auto has_height = [](const RoadNode& node) { return !std::isnan(node.z_m); };
