@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines of connecting roads.
+// Lines of connecting roads, and lanes beside them.
 
 #include "orthodrive/network/line/connecting_line.hpp"
 
@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "network_support.hpp"
+#include "orthodrive/network/curves/ease_along.hpp"
 
 namespace orthodrive::network_test {
 namespace {
@@ -112,6 +113,49 @@ TEST(ConnectingLine, follows_a_way_inside_the_junction_but_not_a_short_one) {
     EXPECT_LT(nearest, 0.3);
     EXPECT_LT(sharpest(line), 1.0 / 7.0);
   }
+}
+
+/// A line beside a line, from the values of cubics: where it lies and where it heads at a place of an element.
+double heading_beside(const std::vector<roadquery::PlanElement>& line, const std::vector<roadquery::Cubic>& offset,
+                      std::size_t element, double ds) {
+  const roadquery::PlanElement& e = line[element];
+  const roadquery::PlanPoint p = roadquery::evaluate(e, ds);
+  const double t = roadquery::evaluate(offset, e.s + ds), slope = roadquery::derivative(offset, e.s + ds);
+  return p.hdg + std::atan2(slope, 1.0 - p.curvature * t);
+}
+
+TEST(EaseAlong, a_lane_beside_a_turn_heads_where_it_did_where_the_curvature_jumps) {
+  for (const double reach_m : {10.0, 19.0, 80.0}) {
+    const auto line =
+        connecting_line(corner(), {{ChainIndex(0), 200.0 - reach_m, 200}, {ChainIndex(1), 0, reach_m}}, 8.0);
+    const double length_m = network::plan_length(line);
+    ASSERT_GT(line.size(), 1u);
+    for (const auto& [from, to] : {std::pair{3.0, -2.0}, {0.0, 3.5}, {-6.0, -3.0}}) {
+      const std::vector<roadquery::Cubic> offset = network::ease_along(line, from, to);
+      for (const auto& [s, value] : {std::pair{0.0, from}, {length_m, to}}) {
+        EXPECT_NEAR(roadquery::evaluate(offset, s), value, 1e-9);
+        EXPECT_NEAR(roadquery::derivative(offset, s), 0.0, 1e-9);
+      }
+      double sharpest_change = 0.0, gentlest_change = INFINITY;
+      for (const roadquery::Cubic& c : offset) {
+        sharpest_change = std::max(sharpest_change, std::abs(c.c));
+        gentlest_change = std::min(gentlest_change, std::abs(c.c));
+      }
+      EXPECT_NEAR(gentlest_change, sharpest_change, 1e-9);
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        const double before = heading_beside(line, offset, i, line[i].length - 1e-7);
+        const double after = heading_beside(line, offset, i + 1, 1e-7);
+        EXPECT_LT(std::abs(std::remainder(after - before, 2.0 * std::numbers::pi)), 1e-5) << reach_m << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST(EaseAlong, one_value_is_one_cubic) {
+  const auto line = connecting_line(corner(), {{ChainIndex(0), 181, 200}, {ChainIndex(1), 0, 19}}, 8.0);
+  const std::vector<roadquery::Cubic> offset = network::ease_along(line, 2.5, 2.5);
+  ASSERT_EQ(offset.size(), 1u);
+  EXPECT_EQ(roadquery::evaluate(offset, 7.0), 2.5);
 }
 
 }  // namespace

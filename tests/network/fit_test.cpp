@@ -410,6 +410,15 @@ TEST(FitProfile, closed_profile_goes_on_with_the_same_slope) {
   EXPECT_NEAR(roadquery::derivative(fit.cubics, 0.0), 2.0 * M_PI / 200.0, 5e-4);
 }
 
+TEST(FitProfile, is_level_at_both_ends_where_that_is_asked) {
+  const std::vector<ProfileSample> samples{{0.0, 6.0}, {9.0, 6.5}, {20.0, 7.5}, {31.0, 9.0}};
+  const ProfileFit fit = fit_profile(samples, {.level_ends = true});
+  expect_joined(fit.cubics);
+  for (const double s : {0.0, 31.0}) EXPECT_NEAR(roadquery::derivative(fit.cubics, s), 0.0, 1e-12);
+  for (const ProfileSample& sample : samples)
+    EXPECT_NEAR(roadquery::evaluate(fit.cubics, sample.s), sample.value, 0.02);
+}
+
 TEST(FitProfile, slices_and_reversed_profiles_have_the_same_values) {
   std::vector<ProfileSample> samples;
   for (int i = 0; i <= 60; ++i) samples.push_back({2.0 * i, hill(2.0 * i)});

@@ -195,7 +195,8 @@ double placement_of(std::string_view text) {
       {{"left_of:", 0.0}, {"middle_of:", 0.5}, {"right_of:", 1.0}}};
   for (const auto& [beginning, share] : kinds) {
     if (!text.starts_with(beginning)) continue;
-    if (const int lane = parse_whole_number(text.substr(beginning.size())).value_or(0); lane >= 1 && lane <= 16)
+    if (const int lane = parse_whole_number(std::string(text.substr(beginning.size()))).value_or(0);
+        lane >= 1 && lane <= 16)
       return lane - 1 + share;
   }
   return -1.0;

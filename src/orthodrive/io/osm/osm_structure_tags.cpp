@@ -34,7 +34,7 @@ bool is_given(std::string_view value) { return !is_one_of_names(value, none_valu
 /// layer=+1 is written, too.
 std::optional<int> layer_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  return parse_whole_number(text);
+  return parse_whole_number(std::string(text));
 }
 
 /// The tag that tells that a way is not there, as "highway=proposed"; empty where none does.

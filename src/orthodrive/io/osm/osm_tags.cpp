@@ -20,10 +20,10 @@ const std::string& tag_value(const OsmTags& tags, const std::string& key) {
   return it == tags.end() ? none : it->second;
 }
 
-std::optional<int> parse_whole_number(std::string_view text) {
+std::optional<int> parse_whole_number(const std::string& text) {
   int value = 0;
   const char* end = text.data() + text.size();
-  const auto [stopped, failed] = std::from_chars(text.data(), end, value);  // NOLINT(bugprone-suspicious-stringview-data-usage)
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
   return failed == std::errc() && stopped == end ? std::optional(value) : std::nullopt;
 }
 

@@ -20,7 +20,7 @@ using OsmTags = std::map<std::string, std::string>;
 [[nodiscard]] const std::string& tag_value(const OsmTags& tags, const std::string& key);
 
 /// The whole number that a text is, without a sign or with a minus; none where anything else stands in it.
-[[nodiscard]] std::optional<int> parse_whole_number(std::string_view text);
+[[nodiscard]] std::optional<int> parse_whole_number(const std::string& text);
 
 /// Why a way with the tags of a road is left out.
 struct OmittedWay {

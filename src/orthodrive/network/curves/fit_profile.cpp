@@ -109,7 +109,8 @@ ProfileFit fit_profile(std::span<const ProfileSample> all, const FitProfileOptio
     fit.cubics.push_back({samples[0].s, samples[0].value, 0.0, 0.0, 0.0});
     return fit;
   }
-  const std::vector<double> slope = slopes(samples, options.closed);
+  std::vector<double> slope = slopes(samples, options.closed);
+  if (options.level_ends) slope.front() = slope.back() = 0.0;
   const auto piece = [&](std::size_t i, std::size_t j) {
     return hermite(samples[i].s, samples[j].s, samples[i].value, samples[j].value, slope[i], slope[j]);
   };

@@ -17,6 +17,7 @@ struct ProfileSample {
 struct FitProfileOptions {
   double tolerance = 0.02;  ///< largest error at a sample, in the unit of the values
   bool closed = false;      ///< the last sample repeats the first one's value and the profile goes on there
+  bool level_ends = false;  ///< slopes of 0 there, so that what is fitted by itself on either side joins C1
 };
 
 struct ProfileFit {

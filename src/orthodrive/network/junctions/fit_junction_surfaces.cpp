@@ -6,10 +6,12 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "orthodrive/network/curves/fit_profile.hpp"
+#include "orthodrive/network/curves/ease_along.hpp"
+#include "orthodrive/network/curves/fit_plan.hpp"
 #include "orthodrive/network/junctions/archived_network.hpp"
 #include "orthodrive/network/junctions/junction_field.hpp"
 #include "orthodrive/network/junctions/junction_members.hpp"
@@ -395,10 +397,11 @@ std::vector<double> borders_of(const Road& road, double s, double sign, const st
   return borders;
 }
 
-/// Gives one end of a cubic along the whole road a value; flat at both ends, as lanes of connecting roads are.
-void set_end(std::vector<roadquery::Cubic>& cubics, double length_m, bool at_end, double value) {
-  const double other = roadquery::evaluate(cubics, at_end ? 0.0 : length_m);
-  cubics = {hermite(0.0, length_m, at_end ? other : value, at_end ? value : other, 0.0, 0.0)};
+/// Gives one end of cubics along the whole line of a connecting road a value.
+void set_end(std::vector<roadquery::Cubic>& cubics, std::span<const roadquery::PlanElement> plan, bool at_end,
+             double value) {
+  const double other = roadquery::evaluate(cubics, at_end ? 0.0 : plan_length(plan));
+  cubics = ease_along(plan, at_end ? other : value, at_end ? value : other);
 }
 
 /// One end of a connecting road and the road that it is linked to there, which was laid on the surface.
@@ -426,9 +429,9 @@ ProfileEnd meet_beside(Road& road, bool at_end, const JointWithInner& joint) {
   const roadquery::PlanPoint p = roadquery::reference_point(road, at_end ? road.length : 0.0);
   const roadquery::SurfacePoint border = roadquery::surface_point(joint.other, other_s, joint.sign * borders.front());
   const double left_m = std::cos(p.hdg) * (border.y - p.y) - std::sin(p.hdg) * (border.x - p.x);
-  set_end(road.lane_offset, road.length, at_end, left_m / std::cos(end.banking));
+  set_end(road.lane_offset, road.plan, at_end, left_m / std::cos(end.banking));
   for (std::size_t i = 0; i + 1 < borders.size(); ++i)
-    set_end(lanes[i].width, road.length, at_end, std::abs(borders[i + 1] - borders[i]) * stretch);
+    set_end(lanes[i].width, road.plan, at_end, std::abs(borders[i + 1] - borders[i]) * stretch);
   return end;
 }
 

@@ -428,7 +428,7 @@ class SectionBuilder {
                both_on_left_},
         end_{options.end.value_or(middle_.open), options.end_rests.value_or(options.rests), options.shift.end,
              both_on_left_},
-        carriageway_(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
+        carriageway_(fit_profile(widths, {.tolerance = options.tolerance_m, .level_ends = true}).cubics, road.length,
                      tapers(start_, middle_), tapers(end_, middle_)),
         marks_(markings_of(road.highway, layout, widths[widths.size() / 2].value)) {}
 

@@ -10,6 +10,7 @@
 
 #include "orthodrive/core/median.hpp"
 #include "orthodrive/network/curves/crown_shape.hpp"
+#include "orthodrive/network/curves/ease_along.hpp"
 #include "orthodrive/network/curves/fit_plan.hpp"
 #include "orthodrive/network/junctions/refit_profile.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
@@ -520,7 +521,7 @@ void add_connecting_rests(Road& road, const Movement& m, const Gate& in, const G
     std::vector<roadquery::Lane>& lanes = left ? section.left : section.right;
     const int number = static_cast<int>(lanes.size()) + 1;
     roadquery::Lane lane{.id = left ? number : -number, .type = roadquery::LaneType::border};
-    lane.width = {hermite(0.0, road.length, w0, w1, 0.0, 0.0)};
+    lane.width = ease_along(road.plan, w0, w1);
     lane.marks.push_back({0.0, "none", 0.0});
     lanes.push_back(std::move(lane));
   };
@@ -535,7 +536,7 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
     return gate.inner_t_m + side * place_of(gate, first) * gate.lane_width_m;
   };
   const double t0 = inner_t(in, m.first_in), t1 = inner_t(out, m.first_out);
-  if (t0 != 0.0 || t1 != 0.0) road.lane_offset = {hermite(0.0, road.length, t0, t1, 0.0, 0.0)};
+  if (t0 != 0.0 || t1 != 0.0) road.lane_offset = ease_along(road.plan, t0, t1);
   roadquery::LaneSection section;
   section.center.type = roadquery::LaneType::none;
   section.center.marks.push_back({0.0, "none", 0.0});
@@ -543,8 +544,8 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
     roadquery::Lane lane;
     lane.id = static_cast<int>(side) * (static_cast<int>(i) + 1);
     lane.type = in.type != roadquery::LaneType::driving ? in.type : out.type;
-    const double w0 = i < m.count_in ? in.lane_width_m : 0.0, w1 = i < m.count_out ? out.lane_width_m : 0.0;
-    lane.width = {hermite(0.0, road.length, w0, w1, 0.0, 0.0)};
+    lane.width =
+        ease_along(road.plan, i < m.count_in ? in.lane_width_m : 0.0, i < m.count_out ? out.lane_width_m : 0.0);
     if (i < m.count_in) lane.predecessor = in.lanes[m.first_in + i];
     if (i < m.count_out) lane.successor = out.lanes[m.first_out + i];
     lane.marks.push_back({0.0, "none", 0.0});

@@ -149,7 +149,7 @@ BuildStage network_stage(SiteBuild& build) {
       .junction_grids = site.junction_grids,
       .judge = true};
   return {.name = "network",
-          .version = 8,
+          .version = 9,
           .options = {{"name", site.name},
                       {"refine.driving_side", to_string(site.driving_side)},
                       {"network.crg", site.crg},
