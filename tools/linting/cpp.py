@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """C and C++: clang-format 14 decides the layout; clang-tidy finds faults and counts lines of functions (.clang-tidy).
 
-clang-tidy takes two to five seconds of a core per file, so a file that passed is not looked at again before it, a
-header of ours that it includes, its compile command or .clang-tidy changes: stamps lie in build/lint/passed.
+clang-tidy takes two to five seconds of a core for a file alone and a tenth more for each that the build compiles with
+it, so it looks at those of one unity source in one go. What passed is not looked at again before a file of it, a header
+of ours that it includes, its compile command or .clang-tidy changes: stamps lie in build/lint/passed.
 """
 
 import concurrent.futures
@@ -95,41 +96,55 @@ def for_clang(command):
 
 
 def known_commands():
-    """The compile command of every source that the build knows. A unity source stands for all that it includes."""
+    """Of every source that the build knows, its compile command and the unity source that includes it, or itself."""
     commands = {}
     for entry in json.loads(COMMANDS.read_text()):
         sources = [entry["file"]]
         if re.search(r"unity_\d+_c\w+\.c\w+$", entry["file"]) and os.path.exists(entry["file"]):
             sources = re.findall(r'^#include "([^"]+)"', pathlib.Path(entry["file"]).read_text(), re.MULTILINE)
         for source in sources:
-            commands.setdefault(os.path.relpath(source, ROOT), entry["command"].replace(entry["file"], source))
+            commands.setdefault(os.path.relpath(source, ROOT), (entry["command"], entry["file"]))
     return commands
 
 
-def write_commands(sources):
-    """build/lint/compile_commands.json of the given sources, as a text per source."""
+def units_of(sources):
+    """The sources that are looked at in one go, by the file that stands for them, with its compile command."""
     if not COMMANDS.exists():
         raise SkippedError("no build/release/compile_commands.json: tools/build writes it")
-    known = known_commands()
-    texts = {}
+    known, together = known_commands(), {}
     for name in sources:
         plain = (PLAIN_C if name.endswith(".c") else PLAIN).format(root=ROOT, file=ROOT / name)
-        texts[name] = for_clang(known.get(name, plain)) if not name.endswith(".c") else known.get(name, plain)
-        if b"#include <CGAL/" in (ROOT / name).read_bytes():
-            texts[name] += FOR_CGAL
+        command, unity = known.get(name, (plain, str(ROOT / name)))
+        cgal = b"#include <CGAL/" in (ROOT / name).read_bytes()
+        together.setdefault((command, unity, cgal), []).append(name)
+    units = {}
+    for (command, unity, cgal), names in together.items():
+        file = ROOT / names[0]
+        if len(names) > 1:
+            file = LINT / "units" / f"{hashlib.sha256(unity.encode()).hexdigest()[:12]}_{int(cgal)}.cpp"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("".join(f'#include "{ROOT / name}"\n' for name in names))
+        text = command.replace(unity, str(file))
+        if not names[0].endswith(".c"):
+            text = for_clang(text) + (FOR_CGAL if cgal else "")
+        units[file] = (names, text)
+    entries = [
+        {"directory": str(COMMANDS.parent), "file": str(file), "command": text} for file, (_, text) in units.items()
+    ]
     LINT.mkdir(parents=True, exist_ok=True)
-    entries = [{"directory": str(COMMANDS.parent), "file": str(ROOT / n), "command": c} for n, c in texts.items()]
     (LINT / "compile_commands.json").write_text(json.dumps(entries, indent=0))
-    return texts
+    return units
 
 
-def tidy(tool, name, before):
-    """What clang-tidy says about a file; nothing when it passed, now or the last time."""
-    contents = b"".join(n.encode() + (ROOT / n).read_bytes() for n in sorted(all_includes_of(name)))
+def tidy(tool, file, names, before):
+    """What clang-tidy says about sources; nothing when they passed, now or the last time."""
+    reached = sorted(set().union(*map(all_includes_of, names)))
+    contents = b"".join(n.encode() + (ROOT / n).read_bytes() for n in reached)
     stamp = LINT / "passed" / hashlib.sha256(before + contents).hexdigest()
     if stamp.exists():
         return []
-    run = subprocess.run([tool, "-p", LINT, "--quiet", name], cwd=ROOT, capture_output=True, text=True, check=False)
+    command = [tool, "-p", LINT, "--quiet", "--checks=-bugprone-suspicious-include", file]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if run.returncode == 0:
         stamp.parent.mkdir(exist_ok=True)
         stamp.touch()
@@ -143,9 +158,9 @@ def check_cpp(work):
     if not sources:
         return []
     tool = program(PEERS / "clang-tidy", "tools/setup --peers installs it where pip finds a package index")
-    commands = write_commands(sources)
+    units = units_of(sources)
     config = (ROOT / ".clang-tidy").read_bytes() + FOR_CLANG.read_bytes()
     config += subprocess.run([tool, "--version"], capture_output=True, check=True).stdout
     with concurrent.futures.ThreadPoolExecutor(work.jobs) as pool:
-        said = pool.map(lambda n: tidy(tool, n, config + commands[n].encode()), sources)
+        said = pool.map(lambda unit: tidy(tool, unit[0], unit[1][0], config + unit[1][1].encode()), units.items())
         return list(dict.fromkeys(line for lines in said for line in lines))

@@ -23,6 +23,14 @@ if (!tool || (part && part !== 'first' && part !== 'rest')) {
   process.exit(2);
 }
 
+/** Runs a check and says what it took. */
+async function timed(check, ...words) {
+  const begun = performance.now();
+  const result = await check(...words);
+  console.log(`${check.name}: ${((performance.now() - begun) / 1000).toFixed(1)} s`);
+  return result;
+}
+
 /** The first picture shows tiles wherever the site is seen, from where the address says; the page's controls come after it. */
 async function checkFirstPicture(context, url) {
   for (const camera of ['fly', 'driver']) {
@@ -255,35 +263,35 @@ async function checkNoWebGl(context, url) {
 }
 
 async function checkWhatComesAfter(context, page, url) {
-  await checkFollowCamera(page);
+  await timed(checkFollowCamera, page);
   await showAll(page, false); // a page drives a quarter of a second a picture at most
-  await checkLayers(page, siteDir);
-  writeFileSync(join(siteDir, 'viewer_ground.png'), await checkGround(context, url));
-  await checkPlaying(page);
-  await checkDriving(page, siteDir);
-  await checkDashboard(context, page, url, siteDir);
+  await timed(checkLayers, page, siteDir);
+  writeFileSync(join(siteDir, 'viewer_ground.png'), await timed(checkGround, context, url));
+  await timed(checkPlaying, page);
+  await timed(checkDriving, page, siteDir);
+  await timed(checkDashboard, context, page, url, siteDir);
   await showAll(page, true);
-  await checkGhost(context, url, siteDir);
-  await checkCameras(page);
-  await checkClick(page);
-  await checkSun(page);
-  await checkLink(page);
-  await checkNarrow(page, siteDir);
-  await checkTouch(context, url, siteDir);
+  await timed(checkGhost, context, url, siteDir);
+  await timed(checkCameras, page);
+  await timed(checkClick, page);
+  await timed(checkSun, page);
+  await timed(checkLink, page);
+  await timed(checkNarrow, page, siteDir);
+  await timed(checkTouch, context, url, siteDir);
 }
 
 /** Pages that report errors, as they should. */
 async function checkWhatGoesWrong(context, url) {
-  await checkHostileTexts(context, url, siteDir);
-  await checkBrokenTile(context, url);
-  await checkNoWebGl(context, url);
+  await timed(checkHostileTexts, context, url, siteDir);
+  await timed(checkBrokenTile, context, url);
+  await timed(checkNoWebGl, context, url);
 }
 
 const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
 const server = await serveSite(tool, siteDir);
 let context;
 try {
-  context = await openBrowser(profile);
+  context = await openBrowser(profile, {pixels: part === 'rest' ? 0.5 : 1}); // time goes with the pixels
   const page = context.pages()[0] ?? (await context.newPage());
   const problems = [];
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
@@ -292,9 +300,9 @@ try {
     'response',
     (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`),
   );
-  if (part !== 'rest') await checkFirstPicture(context, server.url);
+  if (part !== 'rest') await timed(checkFirstPicture, context, server.url);
   await page.goto(`${server.url}?play=0`);
-  await checkFlyCamera(page); // waits until all is there, too
+  await timed(checkFlyCamera, page); // waits until all is there, too
   if (part !== 'first') await checkWhatComesAfter(context, page, server.url);
   assert.deepEqual(problems, [], 'the page reports errors');
   if (part !== 'first') await checkWhatGoesWrong(context, server.url);

@@ -7,7 +7,7 @@ async function decode(texts) {
   for (const text of texts) {
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
-    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d', {willReadFrequently: true});
     context.drawImage(bitmap, 0, 0);
     pictures.push(context.getImageData(0, 0, bitmap.width, bitmap.height).data);
   }

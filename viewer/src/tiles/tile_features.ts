@@ -92,10 +92,10 @@ export function labelTexture(features: TileFeatures | undefined): Promise<Canvas
   return features.labelTexture;
 }
 
-/** Values of the labels are in the first of four channels. */
+/** Values of the labels are in the first of four channels. Drawn by the processor: pixels come back from a GPU with a pause. */
 async function labelsOf(labelPicture: Blob): Promise<ImageData> {
   const picture = await createImageBitmap(labelPicture, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'});
-  const context = new OffscreenCanvas(picture.width, picture.height).getContext('2d')!;
+  const context = new OffscreenCanvas(picture.width, picture.height).getContext('2d', {willReadFrequently: true})!;
   context.drawImage(picture, 0, 0);
   return context.getImageData(0, 0, picture.width, picture.height);
 }
@@ -154,11 +154,9 @@ async function weighed(labels: Row[], labelPicture: Blob): Promise<RoleWeights> 
 /** The label at a place of the photo. */
 async function labelAt({labels, labelPicture}: TileFeatures, u: number, v: number): Promise<Row | undefined> {
   if (!labelPicture) return undefined;
-  const picture = await createImageBitmap(labelPicture, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'});
+  const {data, width, height} = await labelsOf(labelPicture);
   const at = (share: number, size: number) => Math.min(size - 1, Math.max(0, Math.floor(share * size)));
-  const pixel = new OffscreenCanvas(1, 1).getContext('2d')!;
-  pixel.drawImage(picture, -at(u, picture.width), -at(v, picture.height));
-  return labels[pixel.getImageData(0, 0, 1, 1).data[0]];
+  return labels[data[4 * (at(v, height) * width + at(u, width))]];
 }
 
 /** What was hit: kind, id, osm_id, name, type of a road or building, lane_id and lane_type of a road; class and role of the photo there. */
