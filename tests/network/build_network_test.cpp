@@ -731,6 +731,30 @@ TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
     }
 }
 
+TEST(BuildNetwork, OneOfTwoCarriagewaysThatLieDeepOnEachOtherGivesWay) {
+  // Both of one class, 10 m apart, with half widths of 7 and 5 m: 2 m and the margin are given by the narrower one. A
+  // service road 4.5 m beside the axis of a main road of 12 m gives what it can, the main road nothing: it lacks 2.7 m.
+  const auto widths = [](const char* highway, double far_m, double wide_m, double narrow_m) {
+    const PathOptions main{.highway = "secondary", .width_m = wide_m},
+        side{.osm_id = 2, .highway = highway, .width_m = narrow_m, .oneway = Oneway::forward};
+    const roadquery::RoadMap map = build_network(network_of({make_path({{0, 0}, {400, 0}}, {1, 2}, main),
+                                                             make_path({{100, far_m}, {300, far_m}}, {3, 4}, side)}))
+                                       .map;
+    std::pair<double, double> result;
+    for (const roadquery::Road& road : map.roads) {
+      const roadquery::Edges edges = roadquery::road_edges(road, 0.5 * road.length);
+      (road.osm_id == "2" ? result.second : result.first) = edges.left_t - edges.right_t;
+    }
+    return result;
+  };
+  const auto [wide, narrow] = widths("secondary", 10.0, 14.0, 10.0);
+  EXPECT_NEAR(wide, 14.0, 0.01);
+  EXPECT_NEAR(narrow, 10.0 - 2.0 * 2.1, 0.06);
+  const auto [main, service] = widths("service", 4.5, 12.0, 4.0);
+  EXPECT_NEAR(main, 12.0, 0.01);
+  EXPECT_NEAR(service, 2.2, 0.06);
+}
+
 TEST(BuildNetwork, DeadEndsStopBeforeASurfaceOfAnotherHeight) {
   // A service road runs against the edge of a main road that it is not linked to, 3.5 m beside the axis.
   const auto end_of = [](double above_m) {

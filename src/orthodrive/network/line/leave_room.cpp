@@ -16,7 +16,9 @@ namespace {
 constexpr double step_m = 1.0, margin_m = 0.1;  // the second: widths are fitted within 5 cm, on both roads
 constexpr double flush_m = 0.01;                // lower steps between two surfaces need no bank
 constexpr double widest_bank_m = 0.5;           // between roads of different heights, 45 degrees steep
-constexpr double side_by_side_sin = 0.5, deepest_m = 1.5;
+constexpr double side_by_side_sin = 0.5, deepest_m = 5.0, deepest_fork_m = 1.5;
+constexpr double most_given_m =
+    1.5;                        // by the greater road, for what the lesser has not got: else that is mapped wrongly
 constexpr double taper = 0.05;  // the middle of an outer lane moves by 3/8 of that at most: about 1 degree
 constexpr double taper_reach_m = 2.0 * deepest_m / taper;
 constexpr double shortest_road_m = 4.0;  // shorter ones lie inside the surfaces of their junctions
@@ -143,14 +145,21 @@ bool is_own_junction(const Section& road, const Section& other, const JunctionPl
 
 double bank_m(double z_step_m) { return z_step_m < flush_m ? 0.0 : std::min(z_step_m, widest_bank_m); }
 
+/// Roads that part at one node lie on each other until they are apart: there both keep their width for longer.
+bool part_at_a_node(const Section& a, const Section& b, const JunctionPlan& junctions) {
+  const Stretch &of_a = junctions.stretches[a.stretch], &of_b = junctions.stretches[b.stretch];
+  const auto ends_at = [&](VertexIndex vertex) { return vertex && (vertex == of_b.vertex0 || vertex == of_b.vertex1); };
+  return ends_at(of_a.vertex0) || ends_at(of_a.vertex1);
+}
+
 /// By how much the two lie on each other; not positive where they do not, or where they are no neighbours.
-double overlap_m(const Section& a, const Section& b) {
+double overlap_m(const Section& a, const Section& b, const JunctionPlan& junctions) {
   const Vec2 d = b.p - a.p;
   if (a.stretch == b.stretch || std::abs(dot(d, a.direction)) > step_m) return 0.0;
   if (std::abs(cross(a.direction, b.direction)) > side_by_side_sin || !roadquery::is_same_level(a.z, b.z)) return 0.0;
   const double left_m = cross(a.direction, d), apart_m = std::abs(left_m);
   const double overlap = a.half_m + b.half_m + margin_m - apart_m;
-  if (overlap > deepest_m || overlap < -widest_bank_m) return 0.0;
+  if (overlap > (part_at_a_node(a, b, junctions) ? deepest_fork_m : deepest_m) || overlap < -widest_bank_m) return 0.0;
   // Both surfaces where they meet.
   const double meet_m = 0.5 * (a.half_m + apart_m - b.half_m);
   const Vec2 at = a.p + left_normal(a.direction) * (left_m < 0.0 ? -meet_m : meet_m);
@@ -169,7 +178,7 @@ std::vector<double> room_of(const std::vector<Section>& sections, const Junction
     }
     for (const std::uint32_t k : index.near(q.p, q.half_m)) {
       const Section& other = sections[k];
-      const double overlap = is_own_junction(q, other, junctions) ? 0.0 : overlap_m(q, other);
+      const double overlap = is_own_junction(q, other, junctions) ? 0.0 : overlap_m(q, other, junctions);
       if (overlap <= margin_m) continue;
       if (other.junction >= 0) {
         half = std::min(half, q.half_m - overlap);
@@ -179,7 +188,8 @@ std::vector<double> room_of(const std::vector<Section>& sections, const Junction
       const bool yields = gives_way(q, other);
       const Section& lesser = yields ? q : other;
       const double given = std::min(overlap, lesser.half_m - lesser.least_half_m);
-      half = std::min(half, q.half_m - (yields ? given : overlap - given));
+      const double lacks = overlap - given;
+      half = std::min(half, q.half_m - (yields ? given : lacks > most_given_m ? 0.0 : lacks));
     }
     room.push_back(std::max(half, q.least_half_m));
   }
