@@ -114,8 +114,8 @@ void walk_boundary(const JunctionSurface& surface, const Visit& visit) {
 void append_junction_cells(const RoadMap& map, std::vector<CellRange>& ranges) {
   std::vector<std::pair<std::int32_t, std::int32_t>> cells;  // row, column
   for (std::uint32_t i = 0; i < map.junctions.size(); ++i) {
-    const std::optional<JunctionSurface>& surface = map.junctions[i].surface;
-    if (!surface || !has_surface(map.junctions[i])) continue;
+    const JunctionSurface* surface = surface_of(map.junctions[i]);
+    if (!surface) continue;
     cells.clear();
     walk_boundary(*surface, [&](double x, double y) {
       for (const double dy : {-0.5 * cell_m, 0.0, 0.5 * cell_m})

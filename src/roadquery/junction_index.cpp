@@ -13,10 +13,10 @@ namespace {
 
 constexpr double widest_junction_m = 5000.0;
 
-void check_bounds(const Junction& junction) {
+void check_bounds(const Junction& junction, const JunctionSurface& surface) {
   double west = std::numeric_limits<double>::infinity(), south = west, east = -west, north = -west;
   bool are_places = true;
-  for (const auto& [x, y] : junction.surface->boundary) {
+  for (const auto& [x, y] : surface.boundary) {
     are_places = are_places && std::max(std::abs(x), std::abs(y)) <= 1e9 && !std::isnan(x + y);
     west = std::min(west, x), east = std::max(east, x);
     south = std::min(south, y), north = std::max(north, y);
@@ -99,13 +99,13 @@ bool is_usable(const JunctionSurface& surface) {
 }  // namespace
 
 JunctionIndex::JunctionIndex(const RoadMap& map) {
-  if (std::none_of(map.junctions.begin(), map.junctions.end(), has_surface)) return;
+  if (std::none_of(map.junctions.begin(), map.junctions.end(), surface_of)) return;
   std::unordered_map<int, std::uint32_t> index;
   for (const Junction& junction : map.junctions) {
-    if (has_surface(junction)) {
-      check_bounds(junction);
+    if (const JunctionSurface* surface = surface_of(junction)) {
+      check_bounds(junction, *surface);
       index.emplace(junction.id, static_cast<std::uint32_t>(areas_.size()));
-      add(*junction.surface);
+      add(*surface);
     } else {
       areas_.emplace_back();
     }

@@ -95,7 +95,7 @@ bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t sta
     if (roads.road_of(roads.stations[range.first]) == roads.road_of(q)) return false;
     for (std::uint32_t k = range.first; k <= range.last; ++k) band.add(roads, roads.stations[k]);
   }
-  for (const std::uint32_t junction : junctions) band.add(*map.junctions[junction].surface, box);
+  for (const std::uint32_t junction : junctions) band.add(*surface_of(map.junctions[junction]), box);
   return band.is_one_level();
 }
 

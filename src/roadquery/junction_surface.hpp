@@ -28,9 +28,9 @@ struct JunctionHeight {
 
 constexpr double junction_transition_m = 2.0, beside_arm_m = 1.0;
 
-/// Whether the junction has a surface of its own that a point can lie on.
-[[nodiscard]] inline bool has_surface(const Junction& junction) {
-  return junction.surface && junction.surface->boundary.size() >= 3;
+/// The junction's own surface; null where it has none that a point can lie on.
+[[nodiscard]] inline const JunctionSurface* surface_of(const Junction& junction) {
+  return junction.surface && junction.surface->boundary.size() >= 3 ? &*junction.surface : nullptr;
 }
 
 /// Whether (x, y) lies inside the boundary (even-odd rule; a point on the boundary may count either way).

@@ -189,7 +189,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
     if (q.shape_count != unusable_station) cells.append_junctions(q, extents[i].box, junctions);
     for (const std::uint32_t junction : junctions) {
       ring.clear();
-      for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
+      for (const auto& [x, y] : surface_of(map.junctions[junction])->boundary) ring.push_back(in_frame(q, x, y));
       const Part part = beside(extents[i].box, ring);
       std::uint32_t& deciding = roads.deciding_junction[i].index;
       if (!part.empty()) deciding = deciding == no_index ? junction : one_of_several;

@@ -57,7 +57,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::string address() const { return bytes_of(out_); }
-  [[nodiscard]] int port() const { return std::atoi(address().substr(address().rfind(':') + 1).c_str()); }
+  [[nodiscard]] int port() const { return std::stoi(address().substr(address().rfind(':') + 1)); }
   [[nodiscard]] httplib::Result get(const std::string& path) const {
     httplib::Client client("127.0.0.1", port());
     client.set_url_encode(false);  // paths go out as they are written

@@ -97,7 +97,6 @@ TEST(AtomicFile, a_process_that_ends_at_once_leaves_no_temporary) {
 }
 
 TEST(AtomicFile, a_full_disk_is_an_error_that_names_the_file) {
-  const fs::path folder = fresh_folder("full");
   try {
     write_text_file("/dev/full/roads.xodr", "x");
     FAIL() << "expected an error";

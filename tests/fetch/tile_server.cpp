@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   std::ifstream in(argv[1], std::ios::binary);
   const std::string picture{std::istreambuf_iterator<char>(in), {}};
-  const auto threads = static_cast<std::size_t>(std::atoi(argv[2]));
+  const auto threads = static_cast<std::size_t>(std::stoi(argv[2]));
   httplib::Server server;
   server.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
   server.set_keep_alive_max_count(100000000);

@@ -56,7 +56,7 @@ TEST_P(Description, CarriesTheTokenOfItsTable) {
   EXPECT_NE(io::model_description(kind(), 3).find(token), std::string::npos);
   EXPECT_NE(io::model_description(kind(), 2).find(token), std::string::npos);
   fmu::ModelKind changed = kind();
-  changed.variables.back().name += "x";
+  changed.variables.back().name += 'x';
   EXPECT_NE(fmu::instantiation_token(changed), token);
 }
 

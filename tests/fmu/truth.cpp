@@ -46,7 +46,7 @@ int car(char** arguments) {
   const roadquery::RoadQuery query(roadquery::read_opendrive(arguments[0]));
   vehicle::RoadGround ground(query);
   vehicle::Car car(vehicle::read_car(arguments[1]));
-  const auto number = [&](int i) { return std::atof(arguments[i]); };
+  const auto number = [&](int i) { return std::stod(arguments[i]); };
   car.place(number(2), number(3), number(5), number(6), ground, number(4));
   print(car.state());
   vehicle::Controls controls;

@@ -37,7 +37,7 @@ std::vector<std::vector<double>> full_inverse(const SparseJacobian& jacobian) {
 SparseJacobian some_jacobian() {
   Random random(3);
   SparseJacobian jacobian{.columns = 40, .row_start = {0}};
-  const auto add_row = [&](std::vector<std::pair<int, double>> entries) {
+  const auto add_row = [&](const std::vector<std::pair<int, double>>& entries) {
     for (const auto& [column, value] : entries) jacobian.column.push_back(column), jacobian.value.push_back(value);
     jacobian.row_start.push_back(static_cast<int>(jacobian.column.size()));
   };

@@ -159,7 +159,7 @@ TEST(LaneRests, strips_go_through_junctions_and_connections_link_driving_lanes_a
     EXPECT_NEAR(roadquery::lane_width(road.sections[0].right.back(), 0.5 * road.length), 1.25, 0.01);
   }
   EXPECT_EQ(with_strip, 2) << "both directions of the way straight on";
-  ASSERT_TRUE(roadquery::has_surface(result.map.junctions[0]));
+  ASSERT_TRUE(roadquery::surface_of(result.map.junctions[0]));
   const std::optional<roadquery::JunctionSurface>& surface = result.map.junctions[0].surface;
   ASSERT_TRUE(surface.has_value());
   for (const double y : {-4.6, 4.6})  // the whole width is paved

@@ -84,7 +84,10 @@ struct BruteForce {
   const RefineRoadsOptions& options;
   int offsets;
 
-  [[nodiscard]] double offset_m(int state) const { return (state / width_levels - offsets / 2) * 0.5; }
+  [[nodiscard]] double offset_m(int state) const {
+    const int level = state / width_levels - offsets / 2;
+    return level * 0.5;
+  }
   [[nodiscard]] double factor(int state) const {
     return options.min_width_factor +
            (state % width_levels) * (options.max_width_factor - options.min_width_factor) / (width_levels - 1);

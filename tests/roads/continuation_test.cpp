@@ -105,7 +105,7 @@ TEST(Continuation, the_direction_is_that_of_the_first_metres) {
   EXPECT_NEAR(direction_into(short_line, piece_continuation).x, 0.0, 1e-12) << "its middle";
 }
 
-RoadPath path_of(std::vector<std::pair<Vec2, std::int64_t>> nodes) {
+RoadPath path_of(const std::vector<std::pair<Vec2, std::int64_t>>& nodes) {
   RoadPath path;
   double s_m = 0.0;
   for (const auto& [p, id] : nodes) {

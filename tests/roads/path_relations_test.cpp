@@ -11,7 +11,8 @@
 namespace orthodrive {
 namespace {
 
-RoadPath make_path(std::vector<std::pair<Vec2, std::int64_t>> nodes, const std::string& highway = "residential") {
+RoadPath make_path(const std::vector<std::pair<Vec2, std::int64_t>>& nodes,
+                   const std::string& highway = "residential") {
   RoadPath path;
   path.highway = highway;
   for (const auto& [p, id] : nodes) path.nodes.push_back({.p = p, .osm_node = id});

@@ -191,7 +191,8 @@ TEST(CoarseTile, photo_is_the_mean_of_four_pixels_and_labels_stay_labels) {
 TEST(CoarseTile, trees_become_lumps_then_fewer_then_none) {
   const Site site = make_site(480.0, {});
   std::vector<Vec2> trees;
-  for (int k = 0; k < 400; ++k) trees.push_back({west_m + 20.0 + 3.0 * (k % 20), south_m + 20.0 + 3.0 * (k / 20)});
+  for (int row = 0; row < 20; ++row)
+    for (int col = 0; col < 20; ++col) trees.push_back({west_m + 20.0 + 3.0 * col, south_m + 20.0 + 3.0 * row});
   SceneInput input = site.input();
   input.trees = trees;
   SceneTile tile = build_scene_tile(*lay_out_scene(input), {1000, 13000});

@@ -91,7 +91,7 @@ TEST(RoadMesh, road_on_a_tile_border_has_the_same_vertices_on_both_sides) {
       if (const Vec3 q = world(tile, p); q.x == west_m + 480.0) (tile.column == 1000 ? west : east).push_back(q);
   }
   EXPECT_NEAR(area_m2, 2.0 * 200.0 * 6.0, 0.5);
-  const auto places = [](std::vector<Vec3> points) {
+  const auto places = [](const std::vector<Vec3>& points) {
     std::vector<std::array<double, 3>> sorted;
     for (const Vec3& p : points) sorted.push_back({p.x, p.y, p.z});
     std::ranges::sort(sorted);

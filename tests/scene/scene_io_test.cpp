@@ -219,7 +219,8 @@ TEST(SceneIo, area_is_one_file_with_all_in_it) {
                             Raster<std::uint8_t>(64, 64, 3, 128)};
   const fs::path own = test_folder() / "area";
   fs::create_directories(own);
-  io::write_area_glb(own / "area.glb", tiles, {500000.0, 5400000.0, 190.0}, [&](SurfaceMaterial) { return grey; });
+  io::write_area_glb(own / "area.glb", tiles, {500000.0, 5400000.0, 190.0},
+                     [&](SurfaceMaterial) { return SurfaceTexture(grey); });
   const Glb glb = read_glb(own / "area.glb");
   std::map<std::string, int> count;
   for (const Json& node : glb.json["nodes"]) ++count[node["name"]];

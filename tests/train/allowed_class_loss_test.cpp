@@ -74,7 +74,7 @@ TEST(AllowedClassLoss, gradients_are_the_derivatives) {
   const at::Tensor gradient = allowed_class_loss(scores, allowed, options).gradient;
   at::Tensor probabilities = at::softmax(scores, 1).contiguous();
   const at::Tensor of_probabilities = expected_error(probabilities, allowed, options).gradient.contiguous();
-  const auto slope = [](at::Tensor x, std::int64_t i, float step, const auto& loss) {
+  const auto slope = [](const at::Tensor& x, std::int64_t i, float step, const auto& loss) {
     float* value = x.data_ptr<float>() + i;
     const float before = *value;
     *value = before + step;

@@ -58,7 +58,7 @@ std::array<cv::Mat, channels> make_channels(const cv::Mat& rgb, double gsd_m, do
   image[greenness].create(rgb.size(), CV_32F);
   for (int y = 0; y < rgb.rows; ++y)
     for (int x = 0; x < rgb.cols; ++x) {
-      const cv::Vec3b c = rgb.at<cv::Vec3b>(y, x);
+      const cv::Vec3b& c = rgb.at<cv::Vec3b>(y, x);
       image[greenness].at<float>(y, x) =
           static_cast<float>(2 * c[1] - c[0] - c[2]) / static_cast<float>(c[0] + c[1] + c[2] + 1);
     }

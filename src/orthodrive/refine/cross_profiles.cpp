@@ -34,7 +34,7 @@ Corners corners_of(const GridFrame& frame, Vec2 pixel) {
   const float weights[4] = {(1.0F - u) * (1.0F - v), u * (1.0F - v), (1.0F - u) * v, u * v};
   Corners corners{};
   for (int k = 0; k < 4; ++k) {
-    const double col = left + k % 2, row = top + k / 2;
+    const double col = left + (k & 1), row = top + (k >> 1);
     const bool inside = col >= 0.0 && row >= 0.0 && col < frame.width && row < frame.height;
     corners.index[k] =
         inside ? static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)

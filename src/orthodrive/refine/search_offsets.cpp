@@ -18,7 +18,10 @@ struct Levels {
   double lowest_factor = 0.0, factor_step = 0.0;
 
   [[nodiscard]] int states() const { return offsets * width_levels; }
-  [[nodiscard]] double offset_m(int state) const { return (state / width_levels - offsets / 2) * offset_step_m; }
+  [[nodiscard]] double offset_m(int state) const {
+    const int level = state / width_levels - offsets / 2;
+    return level * offset_step_m;
+  }
   [[nodiscard]] double width_factor(int state) const { return lowest_factor + (state % width_levels) * factor_step; }
 };
 

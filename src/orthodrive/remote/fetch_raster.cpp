@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 /// Paths are relative to the site file; what has a colon or begins with / is GDAL's.
 std::string located(const FetchJob& job, const std::string& name) {
-  const std::string resolved = job.secrets.resolve(name);
+  std::string resolved = job.secrets.resolve(name);
   if (is_http(resolved) || resolved.find(':') != std::string::npos || resolved.starts_with('/')) return resolved;
   return (job.source.folder / resolved).lexically_normal().string();
 }

@@ -42,7 +42,7 @@ bool is_call(const char* name) {
 bool fails(const char* path, const char* call) {
   if (!is_call(call) || !is_chosen(path)) return false;
   const char* error = setting("SHIM_ERRNO");
-  errno = error ? std::atoi(error) : ENOSPC;
+  errno = error ? static_cast<int>(std::strtol(error, nullptr, 10)) : ENOSPC;
   return true;
 }
 
@@ -65,7 +65,8 @@ bool is_full(int descriptor, size_t bytes) {
     return false;
   }
   const char* most = setting("SHIM_BYTES");
-  if ((written += static_cast<long>(bytes)) > (most ? std::atol(most) : 0)) return true;
+  const long in_all = written += static_cast<long>(bytes);
+  if (in_all > (most ? std::strtol(most, nullptr, 10) : 0)) return true;
   errno = before;
   return false;
 }

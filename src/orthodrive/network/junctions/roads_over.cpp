@@ -33,10 +33,11 @@ RoadsOver::RoadsOver(const roadquery::RoadMap& map) : map_(map) {
   road_index_ = SpatialIndex(boxes);
   boxes.clear();
   for (const roadquery::Junction& junction : map.junctions) {
-    if (!roadquery::has_surface(junction)) continue;
-    surfaces_.push_back(&*junction.surface);
+    const roadquery::JunctionSurface* surface = roadquery::surface_of(junction);
+    if (!surface) continue;
+    surfaces_.push_back(surface);
     Ring ring;
-    for (const auto& [x, y] : junction.surface->boundary) ring.push_back(Vec2{x, y} - origin_);
+    for (const auto& [x, y] : surface->boundary) ring.push_back(Vec2{x, y} - origin_);
     boxes.push_back(bounds_of(ring));
   }
   surface_index_ = SpatialIndex(boxes);

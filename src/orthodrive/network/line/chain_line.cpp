@@ -253,11 +253,13 @@ int ease_bends(ChainLine& line, bool closed, Findings& findings) {
   if (line.nodes.size() < 3) return 0;
   const ChainLine before = line;
   std::optional<BendEasing> eased;
+  BendEasing* last = nullptr;
   for (const double inner_radius_m : inner_radii_m) {
     line = before;
-    if (ease_all(eased.emplace(line, closed, inner_radius_m))) break;
+    last = &eased.emplace(line, closed, inner_radius_m);
+    if (ease_all(*last)) break;
   }
-  BendEasing& easing = *eased;
+  BendEasing& easing = *last;
   const auto report = [&](Severity severity, const char* code, std::string message, Vec2 where) {
     findings.push_back({severity, code, std::move(message), where.x, where.y});
   };

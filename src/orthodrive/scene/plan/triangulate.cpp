@@ -243,6 +243,7 @@ class Refinement {
 Triangulation triangulate(std::span<const Vec2> points, std::span<const std::array<std::uint32_t, 2>> constraints,
                           const SurfaceToKeep& surface) {
   std::vector<std::pair<Cdt::Point, Index>> input;
+  input.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     input.push_back({Cdt::Point(points[i].x, points[i].y), Index{static_cast<std::uint32_t>(i)}});
   Cdt cdt;

@@ -48,8 +48,8 @@ Canopy canopy_of(const LabelMap& labels, const Photo& photo) {
   for (int row = 0; row < canopy.frame.height; ++row) {
     for (int col = 0; col < canopy.frame.width; ++col) {
       for (int k = 0; k < samples * samples; ++k) {
-        const Vec2 p =
-            canopy.frame.world_from_pixel(col + (k % samples + 0.5) / samples, row + (k / samples + 0.5) / samples);
+        const int right = k % samples, down = k / samples;
+        const Vec2 p = canopy.frame.world_from_pixel(col + (right + 0.5) / samples, row + (down + 0.5) / samples);
         if (!is_vegetation(labels, p)) continue;
         ++canopy.cover.at(col, row);
         canopy.bright.at(col, row) += sample_share * brightness(photo, p);
