@@ -117,7 +117,7 @@ cpSync(new URL('../node_modules/cesium/Build/Cesium', import.meta.url), join(scr
 const server = await serveSite(tool, siteDir, {ORTHODRIVE_VIEWER_DIR: scratch});
 let context;
 try {
-  context = await openBrowser(profile, {bypassCSP: true}); // the policy is for our page, not for this one
+  context = await openBrowser(profile, {pixels: 0.5, bypassCSP: true}); // the policy is for our page, not for this one
   const problems = [];
   await context.route(
     (url) => ['http:', 'https:'].includes(url.protocol) && !url.href.startsWith(server.url),
