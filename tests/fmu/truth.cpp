@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 
 #include "roadquery/ground_query.hpp"
 #include "vehicle/car.hpp"
@@ -20,7 +21,7 @@ int roads(const char* network) {
   std::array<roadquery::Cursor, 4> cursors;
   for (std::array<double, 12> row;;) {
     for (double& value : row)
-      if (std::scanf("%lf", &value) != 1) return 0;
+      if (!(std::cin >> value)) return 0;
     for (std::size_t i = 0; i < 4; ++i) {
       const auto hit = ground.roads().find(row[3 * i], row[3 * i + 1], row[3 * i + 2], cursors[i]);
       if (hit)
@@ -50,7 +51,7 @@ int car(char** arguments) {
   car.place(number(2), number(3), number(5), number(6), ground, number(4));
   print(car.state());
   vehicle::Controls controls;
-  while (std::scanf("%lf %lf %lf", &controls.steering_rad, &controls.throttle, &controls.brake) == 3) {
+  while (std::cin >> controls.steering_rad >> controls.throttle >> controls.brake) {
     for (int i = 0; i < static_cast<int>(number(7)); ++i) car.step(0.001, controls, ground);
     print(car.state());
   }
