@@ -65,7 +65,7 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
   add_methods(*cmd, *command, log, control_points);
-  add_driving_side(cmd, command->options.elevate.banking.driving_side,
+  add_driving_side(cmd, command->options.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(
       "Reads roads, terrain, control points and drive logs if there are any; writes the roads with z, gradient, "

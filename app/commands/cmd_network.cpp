@@ -102,7 +102,11 @@ void add_network(CLI::App& app, Context& context) {
   command->options.network.name.clear();
   cmd->add_option("--name", command->options.network.name, "name in the header; default: the name of the output file");
   add_tolerances(cmd, command->options.network);
-  add_driving_side(cmd, command->options.network.driving_side, "right, left: where one drives");
+  cmd->add_option(
+      "--country", command->options.country,
+      "ISO 3166-1 code of the country whose law gives limits where no sign tells; default: that in which the "
+      "roads lie");
+  add_driving_side(cmd, command->options.driving_side, "right, left: where one drives");
   add_choice<Weather>(*cmd, "--weather", command->options.network.weather,
                       {{"dry", Weather::dry}, {"wet", Weather::wet}},
                       "dry, wet: what the friction of the lanes is for");

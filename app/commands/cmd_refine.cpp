@@ -141,8 +141,7 @@ void add_standard_options(CLI::App* cmd, RefineCommand& command) {
       of(cmd->add_option("--gpx", command.files.gpx,
                          "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated"),
          {"default"});
-  command.idle.needs(add_driving_side(cmd, command.options.standard.driving_side, "of the GPX tracks: right, left"),
-                     {gpx});
+  command.idle.needs(add_driving_side(cmd, command.options.driving_side, "of the GPX tracks: right, left"), {gpx});
   of(cmd->add_option("--search-radius", command.search_radius_m,
                      fmt::format("largest offset from the OSM line, m; default: {}, of nlo {}, of mrf {}",
                                  o.standard.search_radius_m, o.nlo.max_offset_m, o.mrf.search_radius_m))

@@ -2,14 +2,21 @@
 #pragma once
 // --driving-side of every command that asks for it.
 
-#include "choice_option.hpp"
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
 #include "orthodrive/model/roads/parse_driving_side.hpp"
 
 namespace orthodrive::app {
 
-inline CLI::Option* add_driving_side(CLI::App* cmd, DrivingSide& side, const std::string& what_for) {
-  return add_choice<DrivingSide>(*cmd, "--driving-side", side,
-                                 {{"right", DrivingSide::right}, {"left", DrivingSide::left}}, what_for);
+/// `side` stays empty where the option is not given: then the country tells.
+inline CLI::Option* add_driving_side(CLI::App* cmd, std::optional<DrivingSide>& side, const std::string& what_for) {
+  return cmd
+      ->add_option_function<std::string>(
+          "--driving-side", [&side](const std::string& word) { side = driving_side_of(word); },
+          what_for + "; default: that of the country")
+      ->check(CLI::IsMember({"right", "left"}));
 }
 
 }  // namespace orthodrive::app

@@ -144,6 +144,27 @@ TEST(LaneUse, limits_of_each_direction) {
   EXPECT_EQ(read_way({{"maxspeed:forward", "fast"}}).doubts.size(), 1u);
 }
 
+TEST(LaneUse, limits_by_the_law_and_where_the_road_lies) {
+  const auto context = [](io::OsmTags tags) { return read_way(std::move(tags)).path.speed_context; };
+  EXPECT_EQ(context({{"highway", "primary"}, {"maxspeed", "CZ:urban"}}), "CZ:urban");
+  EXPECT_EQ(context({{"highway", "primary"}, {"maxspeed:type", "GB:nsl_dual"}}), "GB:nsl_dual");
+  EXPECT_EQ(context({{"highway", "primary"}, {"source:maxspeed", "RO:trunk"}}), "RO:trunk");
+  EXPECT_EQ(context({{"highway", "primary"}, {"zone:maxspeed", "DE:30"}}), "DE:30");
+  EXPECT_EQ(context({{"highway", "primary"}, {"zone:traffic", "DE:rural"}}), "DE:rural");
+  EXPECT_EQ(context({{"highway", "trunk"}, {"motorroad", "yes"}}), "motorroad");
+  EXPECT_EQ(context({{"highway", "residential"}}), "urban");
+  EXPECT_EQ(context({{"highway", "primary"}, {"lit", "yes"}}), "urban");
+  EXPECT_EQ(context({{"highway", "primary"}, {"sidewalk:left", "separate"}}), "urban");
+  EXPECT_EQ(context({{"highway", "primary"}, {"sidewalk", "no"}}), "rural");
+  EXPECT_EQ(context({{"highway", "primary"}}), "");
+  EXPECT_EQ(
+      read_way({{"highway", "primary"}, {"maxspeed", "80"}, {"source:maxspeed", "CH:rural"}}).path.speed_limit_kmh,
+      80.0);
+  EXPECT_EQ(read_way({{"highway", "primary"}, {"zone:maxspeed", "30"}}).path.speed_limit_kmh, 30.0);
+  EXPECT_EQ(read_way({{"maxspeed:backward", "FR:zone30"}}).path.speeds_backward, "FR:zone30");
+  EXPECT_EQ(read_way({{"maxspeed", "sign"}, {"maxspeed:type", "moon"}}).doubts.size(), 0u);
+}
+
 TEST(LaneUse, widths_of_parts) {
   EXPECT_EQ(read_way({{"width:lanes", "3|3.5"}, {"oneway", "yes"}}).width_m, 6.5);
   EXPECT_EQ(read_way({{"width:lanes:forward", "3"}, {"width:lanes:backward", "3.5"}}).width_m, 6.5);

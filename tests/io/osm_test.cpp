@@ -100,14 +100,8 @@ TEST(OsmTags, speeds) {
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("50"), 50.0);
   EXPECT_NEAR(io::parse_speed_kmh("30 mph"), 48.28032, 1e-9);
   EXPECT_NEAR(io::parse_speed_kmh("30mph"), 48.28032, 1e-9);
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("walk"), 7.0);
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("none"), 130.0);
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:urban"), 50.0);
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("SE:rural"), 70.0) << "the country's own";
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:rural"), 90.0);
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("DE:zone:30"), 30.0);
-  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:zone30"), 30.0);
-  for (const char* bad : {"", "fast", "-30", "0", "50 furlongs", "XX:nowhere", "1e9"})
+  for (const char* bad : {"", "fast", "-30", "0", "50 furlongs", "XX:nowhere", "1e9", "CZ:urban"})
     EXPECT_EQ(io::parse_speed_kmh(bad), 0.0) << bad;
 }
 
@@ -467,6 +461,40 @@ TEST(RealOsm, kvarnbyn) {
   }
   EXPECT_GT(total_m, 20e3);
   fmt::print("Kvarnbyn: {} paths, {:.1f} km\n", roads.paths.size(), total_m / 1000.0);
+}
+
+TEST(OsmRoads, a_road_lies_in_a_town_where_most_of_it_lies_in_built_up_areas) {
+  OsmText text;
+  // A quarter of 200 m by 100 m, one of a multipolygon with a hole, and roads inside, beside, across, outside.
+  text.node(1, 0, 0).node(2, 200, 0).node(3, 200, 100).node(4, 0, 100);
+  text.way(1, {1, 2, 3, 4, 1}, {{"landuse", "residential"}});
+  text.node(11, 300, 0).node(12, 600, 0).node(13, 600, 300).node(14, 300, 300);
+  text.node(21, 350, 50).node(22, 550, 50).node(23, 550, 250).node(24, 350, 250);
+  text.way(2, {11, 12, 13}, {}).way(3, {13, 14, 11}, {}).way(4, {21, 22, 23, 24, 21}, {});
+  text.raw(
+      "<relation id=\"9\"><member type=\"way\" ref=\"2\" role=\"outer\"/><member type=\"way\" ref=\"3\" "
+      "role=\"outer\"/><member type=\"way\" ref=\"4\" role=\"inner\"/><tag k=\"type\" v=\"multipolygon\"/>"
+      "<tag k=\"landuse\" v=\"industrial\"/></relation>\n");
+  const auto road = [&](int id, double x0, double y0, double x1, double y1) {
+    text.node(100 + 2 * id, x0, y0).node(101 + 2 * id, x1, y1);
+    text.way(100 + id, {100 + 2 * id, 101 + 2 * id}, {{"highway", "tertiary"}});
+  };
+  road(0, 10, 50, 190, 50);     // inside
+  road(1, 10, 115, 190, 115);   // along its edge
+  road(2, 10, 50, -290, 50);    // mostly outside
+  road(3, 400, 150, 500, 150);  // in the hole
+  road(4, 310, 25, 590, 25);    // in the multipolygon
+  road(5, 10, 400, 190, 400);   // far from all
+  const SiteFrame site{
+      utm33,
+      {{origin + Vec2{-500, -500}, origin + Vec2{1000, -500}, origin + Vec2{1000, 1000}, origin + Vec2{-500, 1000}},
+       {}}};
+  const Scratch scratch;
+  std::ofstream(scratch / "towns.osm") << text.text();
+  const RoadNetwork roads = io::read_osm_roads(scratch / "towns.osm", site);
+  ASSERT_EQ(roads.paths.size(), 6u);
+  const char* expected[] = {"urban", "urban", "rural", "rural", "urban", "rural"};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(roads.paths[i].speed_context, expected[i]) << i;
 }
 
 }  // namespace

@@ -107,6 +107,44 @@ TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
   EXPECT_LT(half, 0.95);
 }
 
+TEST(Catalogue, laws_of_speed_are_found_by_place) {
+  const std::vector<Country> countries = read_countries(paths::in_source("catalogue"));
+  SpeedLaws laws = read_speed_laws(paths::in_source("catalogue"));
+  EXPECT_GE(laws.laws.size(), 60u);
+  constexpr double mile_km = 1.609344;
+  // Berlin, Lyon, Roma, Oslo, Leeds, Denver, Sapporo, Auckland, Perth, Warszawa, Dublin, Madrid
+  const std::vector<std::tuple<double, double, std::string, double, double>> places{
+      {13.40, 52.52, "DE", 50, 100},
+      {4.83, 45.76, "FR", 50, 80},
+      {12.50, 41.90, "IT", 50, 90},
+      {10.75, 59.91, "NO", 50, 80},
+      {-1.55, 53.80, "GB", 30 * mile_km, 60 * mile_km},
+      {141.35, 43.06, "JP", 60, 60},
+      {174.76, -36.85, "NZ", 50, 100},
+      {115.86, -31.95, "AU", 50, 100},
+      {21.01, 52.23, "PL", 50, 90},
+      {-3.70, 40.42, "ES", 30, 90}};
+  for (const auto& [lon, lat, id, urban, rural] : places) {
+    const Country* country = country_at(countries, {lon, lat});
+    ASSERT_NE(country, nullptr) << id;
+    EXPECT_EQ(country->id, id);
+    laws.here = id;
+    EXPECT_NEAR(speed_of_context(laws, "urban"), urban, 1e-6) << id;
+    EXPECT_NEAR(speed_of_context(laws, "rural"), rural, 1e-6) << id;
+  }
+  for (const SpeedLaw& law : laws.laws)  // each is of a country that a place can have, or of a part of one
+    EXPECT_TRUE(std::ranges::any_of(countries, [&](const Country& c) {
+      return c.id == law.country.substr(0, law.country.find('-'));
+    })) << law.country;
+  EXPECT_EQ(country_at(countries, {0.0, 0.0}), nullptr) << "the sea";
+  EXPECT_NO_THROW(check_country("SE"));
+  const PlaceRules tokyo = rules_at({"EPSG:32654"}, {382000, 3948000, 384000, 3950000});
+  EXPECT_EQ(tokyo.country, "JP");
+  EXPECT_EQ(tokyo.driving_side, DrivingSide::left);
+  EXPECT_EQ(rules_at({}, {0, 0, 1, 1}).driving_side, DrivingSide::right);
+  EXPECT_THAT([] { check_country("SEE"); }, ThrowsMessage<OptionError>(HasSubstr("'SEE' is no country")));
+}
+
 TEST(Catalogue, the_extract_is_the_smallest_that_holds_the_place) {
   EXPECT_EQ(extract_area(catalogue(), around(11.58, 48.14))->geofabrik, "europe/germany/bayern");
   EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany/berlin");

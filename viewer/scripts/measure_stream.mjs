@@ -101,7 +101,7 @@ async function measureFirst(query) {
   const used = {};
   const since = (name) => used[name] - used.begin;
   return withPage(query, {watch: watchFirst, note: (name) => (used[name] = processorSeconds())}, async (page) => {
-    await page.waitForFunction(() => window.streamTimes?.whole, null, {timeout: 300_000});
+    await page.waitForFunction(() => window.streamTimes?.whole);
     const {times, requests, held} = await page.evaluate(() => ({
       times: window.streamTimes,
       held: window.orthodrive.held.length,
@@ -153,7 +153,7 @@ async function measureDrive(places) {
   const grid = gridPlaces(places);
   const fileBytes = (file) => statSync(join(siteDir, 'scene', file)).size;
   return withPage(`?camera=${camera}&t=0&play=0`, {pixels: drivePixels}, async (page) => {
-    await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 300_000});
+    await page.waitForFunction(() => window.orthodrive?.ready);
     const pictures = [];
     const start = performance.now();
     for (let s_m = 0; s_m < Math.min(length_m, places[places.length - 1].s_m); ) {

@@ -21,7 +21,7 @@ try {
   context = await openBrowser(profile);
   const page = context.pages()[0] ?? (await context.newPage());
   await page.goto(`${server.url}${query}&play=0`);
-  await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 120_000});
+  await page.waitForFunction(() => window.orthodrive?.ready);
   if (picture.endsWith('.jpg')) {
     await hideCards(page);
     await page.screenshot({path: picture, type: 'jpeg', quality: 70});

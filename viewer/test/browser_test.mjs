@@ -107,9 +107,7 @@ async function checkFollowCamera(page) {
 async function checkPlaying(page) {
   const before = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
   await page.click('#play');
-  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {
-    timeout: 240_000,
-  });
+  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m);
   const camera = await page.evaluate(() => window.orthodrive.cameraPosition);
   assert.ok(
     Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1,
@@ -203,9 +201,7 @@ async function checkClick(page) {
   assert.ok(road.class && road.role, 'the road has no class of the photo');
   const {width, height} = page.viewportSize();
   await page.mouse.click(width / 2, (height * 1.15) / 2);
-  await page.waitForFunction(() => document.getElementById('message').textContent.includes('road'), null, {
-    timeout: 60_000,
-  });
+  await page.waitForFunction(() => document.getElementById('message').textContent.includes('road'));
   await page.evaluate(() => window.orthodrive.setLayer('route', true));
 }
 
@@ -228,9 +224,7 @@ async function checkBrokenTile(context, url) {
     const {origin} = findTile(tileset.root, withParent[0]).extras;
     const near = [origin[0] + 1, origin[1] - 60, origin[2] + 60]; // so near that the finest level is asked for
     await page.goto(`${url}?play=0&camera=fly&${sparse}&eye=${near.join(',')}&target=${origin.join(',')}`);
-    await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {
-      timeout: 240_000,
-    });
+    await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready);
     const [failure] = await page.evaluate(() => window.orthodrive.failures);
     console.log('broken tile:', failure);
     assert.match(failure, /a coarser one is shown in its place/);
@@ -257,7 +251,7 @@ async function checkNoWebGl(context, url) {
   const page = await context.newPage();
   await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
   await page.goto(url);
-  await page.waitForSelector('#message.error:not([hidden])', {timeout: 240_000});
+  await page.waitForSelector('#message.error:not([hidden])');
   assert.match(await page.textContent('#message'), /WebGL/);
   await page.close();
 }

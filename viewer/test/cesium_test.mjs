@@ -62,8 +62,8 @@ const inPage = (page, name, ...values) =>
 const stateOf = (page) => page.evaluate(() => window.orthodrive.state);
 
 async function openTileset(page, url) {
-  await page.goto(url, {timeout: 120_000});
-  await page.waitForFunction(() => window.orthodrive, null, {timeout: 120_000});
+  await page.goto(url);
+  await page.waitForFunction(() => window.orthodrive);
   await inPage(page, 'open');
 }
 

@@ -31,10 +31,10 @@ export async function checkDriving(page, siteDir) {
   }, startOfStraight(siteDir));
   const start = await page.evaluate(() => window.orthodrive.car);
   await page.click('#drive');
-  await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
+  await page.waitForFunction(() => window.orthodrive.driving);
   const hold = async (key, until, argument) => {
     await page.keyboard.down(key);
-    await page.waitForFunction(until, argument, {timeout: 240_000, polling: 20});
+    await page.waitForFunction(until, argument, {polling: 20});
     await page.keyboard.up(key);
   };
   await hold('ArrowUp', (speed) => window.orthodrive.car.speed_mps > speed + 3, start.speed_mps);
@@ -57,7 +57,7 @@ export async function checkDriving(page, siteDir) {
   assert.ok(Math.abs(car.z_m - ground_m) < 0.25, 'the car floats above or sinks into the surface');
   await page.click('#drive');
   await page.waitForFunction(() => !window.orthodrive.driving);
-  await page.waitForFunction(() => window.orthodrive.ghost === undefined, null, {timeout: 60_000});
+  await page.waitForFunction(() => window.orthodrive.ghost === undefined);
 }
 
 const wheels = ['load_fl_n', 'load_fr_n', 'load_rl_n', 'load_rr_n'];

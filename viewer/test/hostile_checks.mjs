@@ -32,8 +32,6 @@ export async function checkHostileTexts(context, url, siteDir) {
     await page.goto(`${url}?play=0&${sparse}&ghost=${encodeURIComponent(ghost)}`);
     await page.waitForFunction(
       () => document.getElementById('site-name').textContent !== '' && !document.getElementById('message').hidden,
-      null,
-      {timeout: 240_000},
     );
     const seen = await page.evaluate(() => ({
       name: document.getElementById('site-name').textContent,

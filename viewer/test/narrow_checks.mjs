@@ -84,7 +84,7 @@ export async function checkTouch(context, url, siteDir) {
   await tap('#fold');
   await page.waitForSelector('#panel', {state: 'visible'});
   await tap('#drive');
-  await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
+  await page.waitForFunction(() => window.orthodrive.driving);
   await tap('#fold');
   const pads = await page.locator('#pads .card').all();
   for (const pad of pads) {
@@ -96,7 +96,7 @@ export async function checkTouch(context, url, siteDir) {
   const start = await page.evaluate(() => window.orthodrive.car.speed_mps);
   const {x, y} = await page.locator('[data-pedal=up]').boundingBox();
   await touch('touchStart', [x + 20, y + 20]);
-  await page.waitForFunction((speed) => window.orthodrive.car.speed_mps > speed + 1, start, {timeout: 240_000});
+  await page.waitForFunction((speed) => window.orthodrive.car.speed_mps > speed + 1, start);
   await page.screenshot({path: join(siteDir, 'viewer_touch.png')});
   await touch('touchEnd');
   await page.close();

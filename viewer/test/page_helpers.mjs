@@ -29,9 +29,7 @@ export function changedLap(siteDir, change) {
 
 /** All tiles are there and at least one more picture was drawn after the last change. */
 export async function waitUntilDrawn(page) {
-  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {
-    timeout: 240_000,
-  });
+  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0);
   assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
   await page.evaluate(() => {
     // the browser has asked for the picture; this waits until its graphics process has drawn it

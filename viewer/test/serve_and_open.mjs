@@ -28,9 +28,12 @@ export async function serveSite(tool, siteDir, environment = {}) {
   };
 }
 
-/** Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor; `pixels`: for each of the page's. */
-export function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
-  return chromium.launchPersistentContext(profileDir, {
+/**
+ * Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor; `pixels`: for each of
+ * the page's. Whatever its pages are asked for may take six minutes: other work beside it is no error of the page.
+ */
+export async function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
+  const context = await chromium.launchPersistentContext(profileDir, {
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     viewport: {width: 1280, height: 800},
     deviceScaleFactor: pixels,
@@ -48,4 +51,6 @@ export function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
       '--enable-unsafe-swiftshader',
     ],
   });
+  context.setDefaultTimeout(360_000);
+  return context;
 }

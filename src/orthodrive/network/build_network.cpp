@@ -94,6 +94,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   roads = assume_roundabouts(std::move(roads), options.driving_side, result.findings);
   if (!has_oneway_tags(input)) roads = assume_carriageways(std::move(roads), options.driving_side, result.findings);
   roads = with_lane_room(std::move(roads), result.findings);
+  settle_speeds(options.speed_laws, roads, result.findings);
   Topology topology = build_topology(roads, options.driving_side, result.findings);
   smooth_rings(topology.ring_of_piece, roads, topology);
   const PieceLines pieces = join_pieces(roads, topology, result.findings);

@@ -11,53 +11,13 @@
 
 #include "orthodrive/io/osm/lane_use.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
+#include "orthodrive/model/roads/speed_laws.hpp"
 
 namespace orthodrive::io {
 namespace {
 constexpr double mile_km = 1.609344;
 constexpr double no_limit_kmh = 130.0;
-constexpr double walk_kmh = 7.0;  // what courts take "Schrittgeschwindigkeit" for
-constexpr int max_lanes = 16;     // more is a slip of the keyboard
-
-/// Speeds that a country's law gives a kind of place: "CZ:urban". The entry without a country holds for all others.
-struct ZoneSpeed {
-  std::string_view country, zone;
-  double kmh;
-};
-constexpr ZoneSpeed zone_speeds[] = {{"CZ", "living_street", 20.0},
-                                     {"DE", "living_street", walk_kmh},
-                                     {"AT", "living_street", 5.0},
-                                     {"SE", "living_street", walk_kmh},
-                                     {"", "living_street", 20.0},
-                                     {"GB", "nsl_single", 60.0 * mile_km},
-                                     {"GB", "nsl_dual", 70.0 * mile_km},
-                                     {"GB", "nsl_restricted", 30.0 * mile_km},
-                                     {"GB", "motorway", 70.0 * mile_km},
-                                     {"CZ", "motorway", 130.0},
-                                     {"SE", "motorway", 110.0},
-                                     {"", "motorway", 130.0},
-                                     {"CZ", "trunk", 110.0},
-                                     {"", "trunk", 100.0},
-                                     {"DE", "rural", 100.0},
-                                     {"AT", "rural", 100.0},
-                                     {"SE", "rural", 70.0},
-                                     {"FR", "rural", 80.0},
-                                     {"", "rural", 90.0},
-                                     {"", "urban", 50.0},
-                                     {"", "bicycle_road", 30.0},
-                                     {"", "walk", walk_kmh}};
-
-double zone_speed_kmh(std::string_view country, std::string_view zone) {
-  if (zone.starts_with("zone")) {  // zone30, zone:30
-    zone.remove_prefix(4);
-    if (zone.starts_with(':')) zone.remove_prefix(1);
-    return parse_speed_kmh(std::string(zone));
-  }
-  for (const std::string_view wanted : {country, std::string_view()})
-    for (const ZoneSpeed& entry : zone_speeds)
-      if (entry.country == wanted && entry.zone == zone) return entry.kmh;
-  return 0.0;
-}
+constexpr int max_lanes = 16;  // more is a slip of the keyboard
 
 /// A number of lanes; 0 for none, with a doubt when it cannot be read.
 int lane_count(const OsmTags& tags, const char* key, WayAttributes& way) {
@@ -234,39 +194,69 @@ void spread_turns(const OsmTags& tags, WayAttributes& way, bool forward) {
   turns = joined_lanes(std::vector<std::string>(static_cast<std::size_t>(lanes), turn));
 }
 
-/// The limit that maxspeed, maxspeed:type or source:maxspeed tells with such an ending; 0: none.
-double speed_of(const OsmTags& tags, const std::string& ending, WayAttributes& way) {
-  for (const char* key : {"maxspeed", "maxspeed:type", "source:maxspeed"}) {
-    const std::string text = tag_value(tags, key + ending);
-    if (const double kmh = parse_speed_kmh(text); kmh > 0.0) return kmh;
+/// A limit as tags say it: a number, or the name of a case of the law ("CZ:urban"); neither: they say nothing of it.
+struct SaidSpeed {
+  double kmh = 0.0;
+  std::string context;
+  [[nodiscard]] bool is_said() const { return kmh > 0.0 || !context.empty(); }
+  [[nodiscard]] std::string text() const { return kmh > 0.0 ? fmt::format("{:g}", kmh) : context; }
+};
+
+SaidSpeed said_speed(const std::string& text) {
+  if (const double kmh = parse_speed_kmh(text); kmh > 0.0) return {kmh, ""};
+  return {0.0, is_speed_context(text) ? text : ""};
+}
+
+/// What maxspeed, zone:maxspeed, maxspeed:type or source:maxspeed says with such an ending.
+SaidSpeed speed_of(const OsmTags& tags, const std::string& ending, WayAttributes& way) {
+  for (const char* key : {"maxspeed", "zone:maxspeed", "maxspeed:type", "source:maxspeed"}) {
+    const std::string& text = tag_value(tags, key + ending);
+    if (SaidSpeed said = said_speed(text); said.is_said()) return said;
     const bool says_no_speed = text == "signals" || text == "variable" || text == "sign";
     if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed"))
-      way.doubts.push_back(fmt::format("maxspeed{}={} is no speed, took {:.0f} km/h", ending, text,
-                                       default_speed_limit_kmh(way.path.highway)));
+      way.doubts.push_back(fmt::format("maxspeed{}={} is no speed, took the limit of the law", ending, text));
   }
-  return 0.0;
+  return {};
 }
 
 /// Limits of a direction: lane by lane where maxspeed:lanes tells, else one of all its lanes; empty: the road's.
 std::string direction_speeds(const OsmTags& tags, WayAttributes& way, bool forward) {
   std::vector<std::string> speeds;
   for (const std::string& text : lane_list(lane_value(tags, way, "maxspeed:lanes", forward))) {
-    const double kmh = parse_speed_kmh(text);
-    if (!text.empty() && text != "variable" && text != "signals" && kmh == 0.0)
+    const SaidSpeed said = said_speed(text);
+    if (!text.empty() && text != "variable" && text != "signals" && !said.is_said())
       way.doubts.push_back(fmt::format("maxspeed:lanes: {} is no speed, left out", text));
-    speeds.push_back(kmh > 0.0 ? fmt::format("{:g}", kmh) : "");
+    speeds.push_back(said.text());
   }
   if (!speeds.empty()) return joined_lanes(speeds);
-  const double kmh = speed_of(tags, forward != way.reversed ? ":forward" : ":backward", way);
-  return kmh > 0.0 ? fmt::format("{:g}", kmh) : "";
+  return speed_of(tags, forward != way.reversed ? ":forward" : ":backward", way).text();
+}
+
+/// Whether the road lies in a town, as its tags say: zone:traffic, then what is built where people walk. The second is
+/// what osm-legal-default-speeds takes for "urban" and "rural" too.
+std::string surroundings_of(const OsmTags& tags, const std::string& highway) {
+  if (const std::string& zone = tag_value(tags, "zone:traffic"); zone.ends_with("urban") || zone.ends_with("rural"))
+    return zone;
+  if (highway == "residential" || highway == "living_street" || tag_value(tags, "lit") == "yes") return "urban";
+  bool has_none = tag_value(tags, "lit") == "no";
+  for (const char* key : {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}) {
+    const std::string& value = tag_value(tags, key);
+    if (value == "yes" || value == "both" || value == "left" || value == "right" || value == "separate") return "urban";
+    has_none = has_none || value == "no" || value == "none";
+  }
+  return has_none ? "rural" : "";
 }
 
 void read_speeds(const OsmTags& tags, WayAttributes& way) {
   RoadPath& path = way.path;
-  path.speed_limit_kmh = speed_of(tags, "", way);
-  if (path.speed_limit_kmh == 0.0) path.speed_limit_kmh = speed_of(tags, ":both", way);
+  SaidSpeed said = speed_of(tags, "", way);
+  if (!said.is_said()) said = speed_of(tags, ":both", way);
+  path.speed_limit_kmh = said.kmh;
+  path.speed_context = said.context;
   path.speeds_forward = direction_speeds(tags, way, true);
   path.speeds_backward = direction_speeds(tags, way, false);
+  if (path.speed_context.empty() && tag_value(tags, "motorroad") == "yes") path.speed_context = "motorroad";
+  if (path.speed_context.empty()) path.speed_context = surroundings_of(tags, path.highway);
   if (path.speed_limit_kmh > 0.0) return;
   for (const std::string* list : {&path.speeds_forward, &path.speeds_backward})
     for (const std::string& text : lane_list(*list))
@@ -293,9 +283,6 @@ std::string surface_value(const OsmTags& tags, WayAttributes& way) {
 
 double parse_speed_kmh(const std::string& text) {
   if (text == "none") return no_limit_kmh;
-  if (text == "walk") return walk_kmh;
-  if (const auto colon = text.find(':'); colon != std::string::npos)
-    return zone_speed_kmh(std::string_view(text).substr(0, colon), std::string_view(text).substr(colon + 1));
   double value = 0.0;
   const char* end = text.data() + text.size();
   auto [rest, failed] = std::from_chars(text.data(), end, value);

@@ -16,6 +16,7 @@
 #include <span>
 #include <string_view>
 
+#include "orthodrive/io/osm/built_up_areas.hpp"
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
@@ -417,6 +418,33 @@ class PathMaker {
   int part_ = 0;
 };
 
+/// Share of the length of a path, by a sample every 25 m.
+double share_in(const BuiltUpAreas& areas, const RoadPath& path) {
+  constexpr double sample_m = 25.0;
+  double inside_m = 0.0;
+  for (std::size_t i = 1; i < path.nodes.size(); ++i) {
+    const Vec2 a = path.nodes[i - 1].p, b = path.nodes[i].p;
+    const double length_m = distance(a, b);
+    const int samples = std::max(1, static_cast<int>(std::lround(length_m / sample_m)));
+    for (int k = 0; k < samples; ++k)
+      if (areas.holds(a + (b - a) * ((k + 0.5) / samples))) inside_m += length_m / samples;
+  }
+  return inside_m / path.nodes.back().s_m;
+}
+
+/// Of roads of which nothing says whether they lie in a town: whether most of their length lies in built-up areas.
+/// Nothing where the map has no such areas.
+void place_in_towns(const Files& files, const SiteFrame& site, std::vector<RoadPath>& paths) {
+  const auto is_open = [](const RoadPath& path) { return path.speed_limit_kmh == 0.0 && path.speed_context.empty(); };
+  if (std::ranges::none_of(paths, is_open)) return;
+  const BuiltUpAreas areas(files, site);
+  if (areas.empty()) return;
+  for (RoadPath& path : paths) {
+    if (!is_open(path)) continue;
+    path.speed_context = share_in(areas, path) >= 0.5 ? "urban" : "rural";
+  }
+}
+
 }  // namespace
 
 RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site, Findings* findings) {
@@ -434,6 +462,7 @@ RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, cons
   roads.restrictions = read_restrictions(files);
   roads.signs = places.signs(ways);
   maker.report_unread(roads.paths);
+  place_in_towns(files, site, roads.paths);
   widen_at(places.turning_places(), site.area, roads);
   return roads;
 }

@@ -31,8 +31,8 @@ struct OmittedWay {
 /// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft"; 0 when it cannot be read or is not positive.
 [[nodiscard]] double parse_width_m(const std::string& text);
 
-/// km/h from maxspeed's "50", "30 mph", "walk", "none" (130, the usual advice), "CZ:urban", "DE:zone30"; 0 when it
-/// cannot be read. https://wiki.openstreetmap.org/wiki/Key:maxspeed and Default_speed_limits.
+/// km/h from maxspeed's "50", "30 mph", "none" (130, the usual advice); 0 when it is no number. Cases of the law
+/// ("CZ:urban", "walk"): is_speed_context(). https://wiki.openstreetmap.org/wiki/Key:maxspeed.
 [[nodiscard]] double parse_speed_kmh(const std::string& text);
 
 /// The attributes of a way (osm_id, part and nodes stay empty). `reversed` when oneway=-1 turns its nodes round.

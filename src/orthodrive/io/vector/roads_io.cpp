@@ -41,6 +41,8 @@ constexpr Field use_fields[] = {{"lanes_both_ways", OFTInteger},     {"use_forwa
                                 {"speeds_backward", OFTString},      {"placement_start", OFTReal},
                                 {"placement_end", OFTReal},          {"placement_backward", OFTInteger},
                                 {"placement_transition", OFTInteger}};
+// Nor this.
+constexpr Field speed_context_field{"speed_context", OFTString};
 // Not in files of older versions either: then the tags that are in them tell.
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
@@ -105,6 +107,7 @@ class RoadsWriter {
     for (const Field& field : later_node_fields) create_field(nodes_, field.name, field.type);
     for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
     for (const Field& field : use_fields) create_field(centrelines_, field.name, field.type);
+    create_field(centrelines_, speed_context_field.name, speed_context_field.type);
     for (const Field& field : class_fields) create_field(centrelines_, field.name, field.type);
   }
 
@@ -133,6 +136,7 @@ class RoadsWriter {
     row.SetField("turn_forward", path.turn_forward.c_str());
     row.SetField("turn_backward", path.turn_backward.c_str());
     row.SetField("speed_limit_kmh", path.speed_limit_kmh);
+    row.SetField("speed_context", path.speed_context.c_str());
     row.SetField("sidewalk", static_cast<int>(path.sidewalk));
     row.SetField("shoulder", static_cast<int>(path.shoulder));
     row.SetField("surface", path.surface.c_str());
@@ -373,6 +377,8 @@ RoadPath path_of(const OGRFeature& row) {
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
   read_lane_fields(row, path);
   read_use_fields(row, path);
+  if (const int field = row.GetFieldIndex(speed_context_field.name); field >= 0)
+    path.speed_context = row.GetFieldAsString(field);
   path.known_surface = known_surface_of(row, path);
   return path;
 }

@@ -96,7 +96,11 @@ struct RoadPath {
   std::string side_lanes;
   Placement placement;           ///< where no photo has shown where the carriageway lies
   double speed_limit_kmh = 0.0;  ///< 0: not tagged
-  /// Limits in km/h of the lanes of each direction, "70" or lane by lane "100|80"; empty: speed_limit_kmh.
+  /// The case of the law that gives a limit where no number is tagged: "CZ:urban", "GB:nsl_dual", "DE:zone30", or
+  /// "urban" and "rural" alone for where the road lies; empty: not known. settle_speeds() asks it.
+  std::string speed_context;
+  /// Limits in km/h of the lanes of each direction, "70" or lane by lane "100|80", before settle_speeds() also cases of
+  /// the law; empty: speed_limit_kmh.
   std::string speeds_forward, speeds_backward;
   Sides sidewalk = Sides::none, shoulder = Sides::none;
   std::string surface;          ///< as OSM has it; empty: not tagged
@@ -150,7 +154,7 @@ struct RoadNetwork {
 [[nodiscard]] int shared_lanes(const RoadPath& path);
 /// 0 = least important (service) upwards; which road wins at a junction. Unknown values rank as service.
 [[nodiscard]] int road_rank(const std::string& highway);
-/// Speed limit in km/h that holds where none is tagged: what is usual in towns for the class. 0: none (raceways).
+/// Speed in km/h that a class is built for in towns, and its limit where no law is known. 0: none (raceways).
 [[nodiscard]] double default_speed_limit_kmh(const std::string& highway);
 /// motorway ... service, track, raceway, busway; not footway, cycleway, path, steps, pedestrian.
 [[nodiscard]] bool is_drivable(const std::string& highway);

@@ -78,8 +78,7 @@ Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1
   road.osm_id = std::to_string(path.osm_id);
   road.highway = path.highway;
   road.layer = path.layer, road.bridge = path.bridge, road.tunnel = path.tunnel;
-  road.speed_limit_mps =
-      (path.speed_limit_kmh > 0.0 ? path.speed_limit_kmh : default_speed_limit_kmh(path.highway)) / kmh_per_mps;
+  road.speed_limit_mps = path.speed_limit_kmh / kmh_per_mps;
   road.plan = slice_plan(geometry.plan, s0, s1);
   road.length = plan_length(road.plan);
   road.elevation = slice_profile(geometry.elevation, s0, s1);

@@ -68,6 +68,40 @@ Country read_country(TomlSection& section) {
   return country;
 }
 
+struct SpeedLawEntry {
+  std::string id;
+  SpeedLaw law;
+};
+
+SpeedLawEntry read_speed_law(TomlSection& section) {
+  constexpr double mile_km = 1.609344, most_kmh = 200.0;
+  SpeedLawEntry entry;
+  for (const char* key : {"id", "unit", "urban", "source", "checked"}) section.require(key);
+  section.read("id", entry.id);
+  SpeedLaw& law = entry.law;
+  law.country = entry.id;
+  std::string unit, text;
+  section.read_choice("unit", unit, {"km/h", "mph"});
+  law.unit_kmh = unit == "mph" ? mile_km : 1.0;
+  for (const auto& [key, limit] : {std::pair{"living_street", &law.living_street},
+                                   {"bicycle_road", &law.bicycle_road},
+                                   {"urban", &law.urban},
+                                   {"rural", &law.rural},
+                                   {"rural_dual", &law.rural_dual},
+                                   {"national", &law.national},
+                                   {"motorroad", &law.motorroad},
+                                   {"motorway", &law.motorway}}) {
+    if (!section.has(key)) continue;
+    section.read(key, *limit);
+    *limit *= law.unit_kmh;
+    if (!(*limit > 0.0 && *limit < most_kmh)) section.fail_at(key, "must be a speed above 0 and below 200 km/h");
+  }
+  for (const char* key : {"source", "note"}) section.read(key, text);
+  section.read_choice("checked", text, {"documentation", "use", "memory"});
+  section.finish();
+  return entry;
+}
+
 void read_cells(TomlSection& section, CatalogueSource& source) {
   if (!section.find_table("cells")) return;
   TomlSection cells = section.section("cells");
@@ -223,6 +257,33 @@ std::vector<Country> read_countries(const fs::path& folder) {
 const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat) {
   const auto found = std::ranges::find_if(countries, [&](const Country& c) { return contains(c.outline, lonlat); });
   return found == countries.end() ? nullptr : &*found;
+}
+
+SpeedLaws read_speed_laws(const fs::path& folder) {
+  std::vector<SpeedLawEntry> entries;
+  read_entries(folder / "speed_limits.toml", "country", entries, read_speed_law);
+  SpeedLaws laws;
+  for (SpeedLawEntry& entry : entries) laws.laws.push_back(std::move(entry.law));
+  return laws;
+}
+
+PlaceRules rules_at(const Crs& crs, const Box2& box) {
+  if (crs.definition.empty()) return {};
+  const std::vector<Country> countries = read_countries(catalogue_folder());
+  const CoordinateTransform lonlat_from_crs(crs, Crs{"EPSG:4326"});
+  const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  const Country* country = country_at(countries, lonlat_from_crs.target_from_source(middle));
+  return country ? PlaceRules{country->id, country->driving_side} : PlaceRules{};
+}
+
+void check_country(const std::string& id) {
+  std::vector<std::string> known;
+  for (const Country& country : read_countries(catalogue_folder())) known.push_back(country.id);
+  for (const SpeedLaw& law : read_speed_laws(catalogue_folder()).laws) known.push_back(law.country);
+  if (std::ranges::find(known, id) != known.end()) return;
+  const std::optional<std::string> meant = closest_word(id, known);
+  throw OptionError(fmt::format("'{}' is no country that the catalogue knows; take a code of ISO 3166-1 such as SE{}",
+                                id, meant ? "; did you mean '" + *meant + "'?" : ""));
 }
 
 fs::path catalogue_folder() {

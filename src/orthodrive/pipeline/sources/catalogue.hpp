@@ -10,6 +10,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/roads/parse_driving_side.hpp"
+#include "orthodrive/model/roads/speed_laws.hpp"
 
 namespace orthodrive {
 
@@ -53,7 +54,7 @@ struct Catalogue {
 /// Reads areas.toml, photo.toml, terrain.toml and osm.toml of a folder. Throws InputError with file, line and key for
 /// whatever is wrong in them: unknown keys, kinds and areas, ids that are there twice, terrain without a datum.
 [[nodiscard]] Catalogue read_catalogue(const std::filesystem::path& folder);
-/// A country of countries.toml, which has those where one drives on the left; outline as of CatalogueArea.
+/// A country of countries.toml; outline as of CatalogueArea.
 struct Country {
   std::string id, name;  ///< ISO 3166-1; English
   DrivingSide driving_side = DrivingSide::right;
@@ -61,8 +62,19 @@ struct Country {
 };
 /// Reads countries.toml of a folder; throws as read_catalogue().
 [[nodiscard]] std::vector<Country> read_countries(const std::filesystem::path& folder);
-/// That of a place in degrees; null: none of these, where one drives on the right.
+/// That of a place in degrees; null: none of these.
 [[nodiscard]] const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat);
+/// Of the country in which the middle of a box (in the CRS) lies: its id, and the side on which one drives; "" and
+/// right where it lies in none, or there is no CRS.
+struct PlaceRules {
+  std::string country;
+  DrivingSide driving_side = DrivingSide::right;
+};
+[[nodiscard]] PlaceRules rules_at(const Crs& crs, const Box2& box);
+/// Throws OptionError, with the closest id, for what is no country of countries.toml and has no law of its own.
+void check_country(const std::string& id);
+/// Reads speed_limits.toml of a folder, without `here`; throws as read_catalogue().
+[[nodiscard]] SpeedLaws read_speed_laws(const std::filesystem::path& folder);
 
 /// The folder that is installed with the tool, or that of the source tree.
 [[nodiscard]] std::filesystem::path catalogue_folder();

@@ -118,6 +118,8 @@ SiteFrame read_bounds(TomlSection& area, const std::string& crs) {
 void read_area(TomlSection area, const fs::path& file, Site& site) {
   std::string crs = "auto";
   area.read("crs", crs);
+  area.read("country", site.country);
+  if (area.has("country")) area.at("country", [&] { check_country(site.country); });
   for (const char* key : {"bounds", "bbox_wgs84", "polygon"}) (void)area.find(key);
   area.finish();
   const int given = int{area.has("bounds")} + int{area.has("bbox_wgs84")} + int{area.has("polygon")};
@@ -182,7 +184,9 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
 void read_driving_side(TomlSection& refine, Site& site) {
   const Vec2 middle = middle_of(site.frame.area.outer);
   const std::vector<Country> countries = read_countries(catalogue_folder());
-  const Country* country = country_at(countries, site.middle_lonlat);
+  const auto told = std::ranges::find(countries, site.country, &Country::id);
+  const Country* country = told == countries.end() ? country_at(countries, site.middle_lonlat) : &*told;
+  if (country) site.country = country->id;
   const DrivingSide usual = country ? country->driving_side : DrivingSide::right;
   std::string side = to_string(usual);
   const bool is_given = refine.has("driving_side");
@@ -195,7 +199,7 @@ void read_driving_side(TomlSection& refine, Site& site) {
         {Severity::warning, "site.driving_side",
          fmt::format("refine.driving_side is {}, but one drives on the {} here{}", side, to_string(usual), where),
          middle.x, middle.y});
-  else if (country)
+  else if (site.driving_side == DrivingSide::left)
     site.findings.push_back({Severity::info, "site.driving_side",
                              fmt::format("one drives on the {} here{}", side, where), middle.x, middle.y});
 }

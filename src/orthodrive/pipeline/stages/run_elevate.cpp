@@ -6,6 +6,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/io/vector/road_graph_io.hpp"
+#include "orthodrive/pipeline/sources/catalogue.hpp"
 #include "orthodrive/roads/dense_nodes.hpp"
 
 namespace orthodrive {
@@ -52,6 +53,8 @@ StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& opt
   const io::DriveLogs& logs = context.sources.drive_logs(files.drive_logs, site);
   ElevateRoadsOptions elevate = options.elevate;
   const io::ControlPoints& control = context.sources.control_points(files.control_points, site);
+  elevate.banking.driving_side =
+      options.driving_side ? *options.driving_side : rules_at(site.crs, bounds_of(site.area.outer)).driving_side;
   elevate.heights.control_points = control.points;
   elevate.heights.threads = elevate.banking.threads = context.threads;
   const ElevateRoadsResult elevated = elevate_roads(roads, terrain.dtms, logs.log, elevate, context.monitor);
@@ -76,7 +79,7 @@ BuildStage elevate_stage(SiteBuild& build) {
   options["elevate.sampling"] = site.dtm_sampling;
   options["refine.driving_side"] = to_string(site.driving_side);
   return {.name = "elevate",
-          .version = 6,
+          .version = 7,
           // The road graph shows the map's roads as well.
           .sources = {{"dtm", site.dtm, SourceRole::Kind::raster},
                       {"drive_logs", log_files},
@@ -96,7 +99,7 @@ BuildStage elevate_stage(SiteBuild& build) {
                 RunElevateOptions options{.site = site.frame};
                 options.elevate.heights.sampling =
                     site.dtm_sampling == "cubic" ? HeightSampling::cubic : HeightSampling::bilinear;
-                options.elevate.banking.driving_side = site.driving_side;
+                options.driving_side = site.driving_side;
                 return run_elevate({.roads = build.out_dir / ".orthodrive/refined.gpkg",
                                     .dtm = site.dtm,
                                     .drive_logs = site.drive_logs,

@@ -20,8 +20,9 @@ struct ElevateFiles {
 };
 
 struct RunElevateOptions {
-  std::optional<SiteFrame> site;  ///< none: the hull of the roads
-  ElevateRoadsOptions elevate;
+  std::optional<SiteFrame> site;            ///< none: the hull of the roads
+  std::optional<DrivingSide> driving_side;  ///< none: that of the country in which the site lies
+  ElevateRoadsOptions elevate;              ///< its driving side is set here
 };
 
 StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& options, StageContext& context);

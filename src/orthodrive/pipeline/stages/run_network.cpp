@@ -12,6 +12,7 @@
 #include "orthodrive/io/vector/network_layers.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/pipeline/score/network_verdict.hpp"
+#include "orthodrive/pipeline/sources/catalogue.hpp"
 #include "orthodrive/pipeline/stages/road_relief.hpp"
 
 namespace orthodrive {
@@ -102,6 +103,11 @@ NetworkResult network_of(const RoadNetwork& roads, const NetworkFiles& files, co
   BuildNetworkOptions of_network = options.network;
   of_network.threads = context.threads;
   of_network.exchange = context.exchange;
+  if (!options.country.empty()) check_country(options.country);
+  const PlaceRules here = roads.paths.empty() ? PlaceRules{} : rules_at(roads.crs, bounds_of_roads(roads));
+  of_network.driving_side = options.driving_side.value_or(here.driving_side);
+  of_network.speed_laws = read_speed_laws(catalogue_folder());
+  of_network.speed_laws.here = options.country.empty() ? here.country : options.country;
   if (of_network.name.empty()) of_network.name = files.network.stem().string();
   return build_network(roads, of_network, context.monitor);
 }
@@ -141,16 +147,18 @@ BuildStage network_stage(SiteBuild& build) {
   const Site& site = build.site;
   const bool surfaces = !site.crg.empty();
   const NetworkFiles files{.roads = build.out_dir / "roads.gpkg", .network = build.out_dir / "roads.xodr"};
-  const RunNetworkOptions run{
-      .network = {.name = site.name, .driving_side = site.driving_side, .weather = site.weather},
-      .crg = {.roads = site.crg, .route = site.route},
-      .old_surfaces = OldSurfaces::remove,
-      .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
-      .junction_grids = site.junction_grids,
-      .judge = true};
+  const RunNetworkOptions run{.network = {.name = site.name, .weather = site.weather},
+                              .driving_side = site.driving_side,
+                              .country = site.country,
+                              .crg = {.roads = site.crg, .route = site.route},
+                              .old_surfaces = OldSurfaces::remove,
+                              .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
+                              .junction_grids = site.junction_grids,
+                              .judge = true};
   return {.name = "network",
-          .version = 9,
+          .version = 10,
           .options = {{"name", site.name},
+                      {"area.country", site.country},
                       {"refine.driving_side", to_string(site.driving_side)},
                       {"network.crg", site.crg},
                       {"network.opendrive", site.opendrive},

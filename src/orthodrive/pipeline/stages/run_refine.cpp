@@ -12,6 +12,7 @@
 #include "orthodrive/io/support/read_file.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/pipeline/files/refine_files.hpp"
+#include "orthodrive/pipeline/sources/catalogue.hpp"
 #include "orthodrive/pipeline/training/parts.hpp"
 #include "orthodrive/refine/kerb_radius.hpp"
 #include "orthodrive/refine/photo_surface.hpp"
@@ -61,6 +62,8 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
   if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   const LabelMap labels = io::read_labels(files.labels);
   const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
+  standard.driving_side =
+      options.driving_side ? *options.driving_side : rules_at(site.crs, bounds_of(site.area.outer)).driving_side;
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
   RefinedRoads result =
@@ -134,9 +137,9 @@ BuildStage refine_stage(SiteBuild& build) {
                           .weights = site.refine_weights,
                           .gpx = site.gpx,
                           .roads = build.out_dir / ".orthodrive/refined.gpkg"};
-  const RunRefineOptions run{.site = site.frame, .standard = {.driving_side = site.driving_side}};
+  const RunRefineOptions run{.site = site.frame, .driving_side = site.driving_side};
   return {.name = "refine",
-          .version = 10,
+          .version = 11,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
           .options = options,
           .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},

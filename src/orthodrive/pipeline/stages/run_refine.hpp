@@ -23,9 +23,10 @@ struct RefineFiles {
 enum class RefineMethod { standard, nlo, mrf, none };
 
 struct RunRefineOptions {
-  std::optional<SiteFrame> site;  ///< none: where the labels are (mrf: the photo)
+  std::optional<SiteFrame> site;            ///< none: where the labels are (mrf: the photo)
+  std::optional<DrivingSide> driving_side;  ///< none: that of the country in which the site lies
   RefineMethod method = RefineMethod::standard;
-  RefineRoadsOptions standard;  ///< its weights count where files.weights is empty
+  RefineRoadsOptions standard;  ///< its weights count where files.weights is empty, its driving side is set here
   NloRoadsOptions nlo;
   MrfRoadsOptions mrf;
 };
