@@ -494,7 +494,7 @@ TEST(OsmRoads, a_road_lies_in_a_town_where_most_of_it_lies_in_built_up_areas) {
   const RoadNetwork roads = io::read_osm_roads(scratch / "towns.osm", site);
   ASSERT_EQ(roads.paths.size(), 6u);
   const char* expected[] = {"urban", "urban", "rural", "rural", "urban", "rural"};
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(roads.paths[i].speed_context, expected[i]) << i;
+  for (const RoadPath& path : roads.paths) EXPECT_EQ(path.speed_context, expected[path.osm_id - 100]) << path.osm_id;
 }
 
 }  // namespace
