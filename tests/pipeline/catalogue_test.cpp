@@ -75,21 +75,43 @@ TEST(Catalogue, every_entry_is_complete) {
   }
   EXPECT_EQ(whats, (std::set<std::string>{"photo", "terrain", "osm"}));
   std::set<std::string> extracts;
-  for (const CatalogueArea& area : catalogue().areas) EXPECT_TRUE(extracts.insert(area.geofabrik).second) << area.id;
+  for (const CatalogueArea& area : catalogue().areas)
+    if (!area.geofabrik.empty()) {  // Australia's states have no extract of their own
+      EXPECT_TRUE(extracts.insert(area.geofabrik).second) << area.id;
+    }
 }
 
 TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
   const std::vector<std::tuple<double, double, std::string>> places{
-      {16.37, 48.21, "at-basemap"},    {7.45, 46.95, "ch-swissimage"}, {2.35, 48.86, "fr-bdortho"},
-      {8.74, 41.92, "fr-bdortho"},     {6.96, 50.94, "de-nw-dop"},     {11.58, 48.14, "de-by-dop20"},
-      {4.90, 52.37, "nl-luchtfoto"},   {18.07, 59.33, "se-ortofoto"},  {14.42, 50.09, "cz-ortofoto"},
-      {-104.99, 39.74, "us-naip"},     {-80.19, 25.76, "us-naip"},     {139.77, 35.68, "jp-gsi-photo"},
-      {127.68, 26.21, "jp-gsi-photo"}, {-3.70, 40.42, "es-pnoa"},      {2.65, 39.57, "es-pnoa"},
-      {4.35, 50.85, "be-ngi"},         {19.04, 47.50, "hu-oi2022"},    {21.01, 52.23, "pl-orto"},
-      {24.75, 59.44, "ee-foto"},       {19.15, 48.74, "sk-zbgis"},     {9.18, 48.78, "de-bw-dop20"},
-      {14.33, 51.76, "de-bb-dop20"},   {8.68, 50.11, "de-he-dop20"},   {12.14, 54.09, "de-mv-dop20"},
-      {9.73, 52.37, "de-ni-dop20"},    {7.77, 49.44, "de-rp-dop20"},   {13.74, 51.05, "de-sn-dop20"},
-      {11.63, 52.13, "de-st-dop20"},   {9.92, 54.31, "de-sh-dop20"},   {11.03, 50.98, "de-th-dop20"}};
+      {16.37, 48.21, "at-basemap"},       {7.45, 46.95, "ch-swissimage"},
+      {2.35, 48.86, "fr-bdortho"},        {8.74, 41.92, "fr-bdortho"},
+      {6.96, 50.94, "de-nw-dop"},         {11.58, 48.14, "de-by-dop20"},
+      {4.90, 52.37, "nl-luchtfoto"},      {18.07, 59.33, "se-ortofoto"},
+      {14.42, 50.09, "cz-ortofoto"},      {-104.99, 39.74, "us-naip"},
+      {-80.19, 25.76, "us-naip"},         {139.77, 35.68, "jp-gsi-photo"},
+      {127.68, 26.21, "jp-gsi-photo"},    {-3.70, 40.42, "es-pnoa"},
+      {2.65, 39.57, "es-pnoa"},           {4.35, 50.85, "be-ngi"},
+      {19.04, 47.50, "hu-oi2022"},        {21.01, 52.23, "pl-orto"},
+      {24.75, 59.44, "ee-foto"},          {19.15, 48.74, "sk-zbgis"},
+      {9.18, 48.78, "de-bw-dop20"},       {14.33, 51.76, "de-bb-dop20"},
+      {8.68, 50.11, "de-he-dop20"},       {12.14, 54.09, "de-mv-dop20"},
+      {9.73, 52.37, "de-ni-dop20"},       {7.77, 49.44, "de-rp-dop20"},
+      {13.74, 51.05, "de-sn-dop20"},      {11.63, 52.13, "de-st-dop20"},
+      {9.92, 54.31, "de-sh-dop20"},       {11.03, 50.98, "de-th-dop20"},
+      {6.95, 49.35, "de-sl-dop20"},       {19.82, 41.33, "al-orto20"},
+      {23.32, 42.70, "bg-maf"},           {33.04, 34.69, "cy-dls2014"},
+      {12.57, 55.68, "dk-geodanmark"},    {24.94, 60.17, "fi-ortokuva"},
+      {15.98, 45.81, "hr-dof2022"},       {-21.94, 64.15, "is-loftmynd"},
+      {9.55, 47.13, "li-orthofoto"},      {25.28, 54.69, "lt-ort10lt"},
+      {6.13, 49.61, "lu-ortho"},          {24.11, 56.95, "lv-orto"},
+      {19.26, 42.44, "me-dof2018"},       {14.45, 35.90, "mt-ortho2018"},
+      {-9.14, 38.72, "pt-ortos2025"},     {26.10, 44.43, "ro-aiga"},
+      {14.51, 46.06, "si-dof025"},        {174.78, -41.29, "nz-linz"},
+      {-79.38, 43.70, "ca-on-2018"},      {-71.30, 46.80, "ca-qc-imagerie"},
+      {-63.58, 44.65, "ca-ns-ortho"},     {-66.64, 45.96, "ca-nb-geonb"},
+      {151.00, -33.87, "au-nsw-imagery"}, {149.13, -35.28, "au-nsw-imagery"},
+      {153.03, -27.47, "au-qld-imagery"}, {138.60, -34.93, "au-sa-mosaic"},
+      {144.96, -37.75, "au-vic-aerial"}};
   for (const auto& [lon, lat, id] : places) {
     EXPECT_EQ(coverage_of(catalogue(), source(id), around(lon, lat)), 1.0) << id;
     for (const CatalogueSource& other : catalogue().sources) {
@@ -148,7 +170,7 @@ TEST(Catalogue, laws_of_speed_are_found_by_place) {
 TEST(Catalogue, the_extract_is_the_smallest_that_holds_the_place) {
   EXPECT_EQ(extract_area(catalogue(), around(11.58, 48.14))->geofabrik, "europe/germany/bayern");
   EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany/berlin");
-  EXPECT_EQ(extract_area(catalogue(), around(6.95, 49.35))->geofabrik, "europe/germany");  // Saarland has no photo
+  EXPECT_EQ(extract_area(catalogue(), around(6.95, 49.35))->geofabrik, "europe/germany/saarland");
   EXPECT_EQ(extract_area(catalogue(), around(-104.99, 39.74))->geofabrik, "north-america/us/colorado");
   EXPECT_EQ(extract_area(catalogue(), around(0.0, 0.0)), nullptr);
   EXPECT_EQ(extract_area(catalogue(), polygon_of_box({11, 46.5, 12, 48.5})), nullptr);  // Germany and Austria
@@ -220,6 +242,12 @@ TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
   // Where the national model has to be fetched by hand, the world's goes in.
   EXPECT_THAT(new_site(catalogue(), area_at(7.45, 46.95)).sources,
               ElementsAre("ch-swissimage", "osm-overpass", "copernicus-glo30"));
+  EXPECT_THAT(new_site(catalogue(), area_at(24.94, 60.17)).sources,
+              ElementsAre("fi-ortokuva", "osm-overpass", "copernicus-glo30"));
+  EXPECT_THAT(new_site(catalogue(), area_at(-79.38, 43.70)).sources,
+              ElementsAre("ca-on-2018", "osm-overpass", "ca-mrdem30"));
+  EXPECT_THAT(new_site(catalogue(), area_at(151.00, -33.87)).sources,
+              ElementsAre("au-nsw-imagery", "osm-overpass", "au-nsw-dem5"));
   // More than Overpass should be asked for.
   EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.44, 0.13)).sources,
               ElementsAre("de-by-dop20", "osm-geofabrik", "de-by-dgm1"));
@@ -324,7 +352,12 @@ TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
 TEST(NewSite, says_the_side_of_the_road_where_it_is_the_left) {
   EXPECT_THAT(new_site(catalogue(), area_at(139.71, 35.66)).text,
               HasSubstr("[refine]\ndriving_side = \"left\"  # Japan\n"));
-  EXPECT_THAT(new_site(catalogue(), area_at(16.37, 48.21)).text, Not(HasSubstr("driving_side")));
+  for (const auto& [lon, lat, country] :
+       {std::tuple{33.04, 34.69, "Cyprus"}, {138.60, -34.93, "Australia"}, {174.78, -41.29, "New Zealand"}})
+    EXPECT_THAT(new_site(catalogue(), area_at(lon, lat)).text,
+                HasSubstr(fmt::format("driving_side = \"left\"  # {}\n", country)));
+  for (const auto& [lon, lat] : {std::pair{16.37, 48.21}, {24.94, 60.17}, {-79.38, 43.70}})
+    EXPECT_THAT(new_site(catalogue(), area_at(lon, lat)).text, Not(HasSubstr("driving_side")));
 }
 
 TEST(NewSite, what_cannot_be_says_what_to_do) {
@@ -342,6 +375,8 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
   EXPECT_THAT(message(area_at(50.09, 14.42)),
               HasSubstr("with longitude first it would be --bbox 14.41,50.08,14.43,50.1, where cz-ortofoto is"));
   EXPECT_THAT(message(area_at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
+  EXPECT_THAT(message(area_at(12.57, 55.68)),
+              AllOf(HasSubstr("dk-geodanmark covers it: Needs a free account"), HasSubstr("--photo dk-geodanmark")));
   EXPECT_THAT(message(area_at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
   NewSiteOptions options = area_at(14.42, 50.09);
   options.photos = {"cz-ortfoto"};
@@ -356,6 +391,13 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
   swedish.photos = {"se-ortofoto"};
   const NewSite made = new_site(catalogue(), swedish);
   EXPECT_EQ(made.findings.front().code, "new.by_hand");
+}
+
+TEST(NewSite, keys_of_users_stay_names_in_the_site_file) {
+  NewSiteOptions danish = area_at(12.57, 55.68);
+  danish.photos = {"dk-geodanmark"};
+  EXPECT_THAT(new_site(catalogue(), danish).text, HasSubstr("?apikey={env:DATAFORDELER_API_KEY}\""));
+  EXPECT_THAT(new_site(catalogue(), area_at(174.78, -41.29)).text, HasSubstr("?api={env:LINZ_API_KEY}\""));
 }
 
 TEST(NewSite, the_table_lists_what_covers_an_area) {
