@@ -117,22 +117,12 @@ class ExactSurfaces {
   }
   void add(const Sample& sample, double x, double y, std::vector<Surface>& result) const {
     const Road& road = map_.roads[sample.road];
-    double s = sample.s;
-    PlanPoint p = reference_point(road, s);
+    const PlanPoint p = reference_point(road, sample.s);
     const double distance = std::hypot(x - p.x, y - p.y);
     if (distance > reach_m_ + 1.0) return;
-    for (int i = 0; i < 100; ++i) {
-      const double along = (x - p.x) * std::cos(p.hdg) + (y - p.y) * std::sin(p.hdg);
-      const double left = (y - p.y) * std::cos(p.hdg) - (x - p.x) * std::sin(p.hdg);
-      const double step = along / (p.speed * std::max(1.0 - p.curvature * left, 0.05));
-      s = std::clamp(s + step, 0.0, road.length);
-      p = reference_point(road, s);
-      if (std::abs(step) < 1e-12) break;
-    }
-    const double along = (x - p.x) * std::cos(p.hdg) + (y - p.y) * std::sin(p.hdg);
-    const double left = (y - p.y) * std::cos(p.hdg) - (x - p.x) * std::sin(p.hdg);
-    if (std::abs(along) > 1e-9) return;
-    const double t = t_at(road, s, left);
+    const RoadPosition over = position_over(road, x, y, sample.s);
+    if (std::abs(over.beyond_m) > 1e-9) return;
+    const double s = over.s, t = over.t;
     const Edges edges = road_edges(road, s);
     const double inside = std::min({edges.left_t - t, t - edges.right_t, s, road.length - s});
     if (inside < 0.0) return;

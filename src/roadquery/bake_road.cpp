@@ -7,6 +7,7 @@
 
 #include "roadquery/bake_lanes.hpp"
 #include "roadquery/baked_surface.hpp"
+#include "roadquery/overlaps.hpp"
 #include "roadquery/poly_curve.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -185,7 +186,8 @@ class StationMaker {
       for (int i = 0; i < 3; ++i) station.profile[i][0] = f(shifted[i + 1]);
     }
     while (next_row_ < rows_.size() && rows_[next_row_].s <= station.s) ++next_row_;
-    if (next_row_ > 0) station.shapes = rows_[next_row_ - 1].first, station.shape_count = rows_[next_row_ - 1].count;
+    if (next_row_ == 0) return;
+    station.shapes = rows_[next_row_ - 1].first & 0x3fffffffu, station.shape_count = rows_[next_row_ - 1].count;
   }
 
   void add_lanes(Station& station, double half) {
@@ -222,6 +224,28 @@ void check_finite(Station& q) {
   if (!std::isfinite(sum) || !(q.speed > 0.0F)) q.shape_count = unusable_station;
 }
 
+/// How far slope and cross section move points of the station along the road.
+std::uint32_t turned_by(const BakedRoads& roads, const Station& station) {
+  constexpr double least_m = 1e-8, most_shape_m = 1.0;
+  if (station.shape_count == unusable_station) return not_turned;
+  Station q = station;
+  const double half = q.half_m;
+  double bank = std::abs(static_cast<double>(q.bank)), slope = 0.0, power = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    slope += (i + 1.0) * power * std::abs(static_cast<double>(q.profile[i][1]));
+    power *= half;
+    bank += power * std::abs(static_cast<double>(q.profile[i][0]));
+  }
+  const double up_m = roads.stretches[q.lanes].reach_m * bank + (q.shape_count > 0 ? most_shape_m : 0.0);
+  if (!(slope * up_m > least_m)) return not_turned;
+  q.turned = near_turned;
+  for (const double u : {-half, 0.0, half}) {
+    const AheadRange range = ahead_range(roads, q, u);
+    if (!(std::max(-range.min_m, range.max_m) <= turned_m)) return far_turned;
+  }
+  return near_turned;
+}
+
 }  // namespace
 
 BakedRoads bake(const RoadMap& map) {
@@ -250,6 +274,7 @@ BakedRoads bake(const RoadMap& map) {
   for (Station& station : baked.stations) {
     check_finite(station);
     LaneStretch& lanes = baked.stretches[station.lanes];
+    station.turned = turned_by(baked, station) & 3u;
     lanes.length_m = map.roads[lanes.road].length;
   }
 

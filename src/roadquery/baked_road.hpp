@@ -22,6 +22,11 @@ inline constexpr std::uint16_t unusable_station = 0xffff;
 inline constexpr std::uint32_t no_index = 0xffffffffu;
 inline constexpr std::uint32_t one_of_several = 0xfffffffeu;
 
+/// Whether slope and superelevation (or shape) move the points of a station along the road: by no more than turned_m,
+/// which is less than what a foot is looked for beyond a station's ends, or by more.
+inline constexpr std::uint32_t not_turned = 0, near_turned = 1, far_turned = 2;
+inline constexpr double turned_m = 0.1;
+
 /// One piece of a road, two cache lines: polynomials in u = s - s of its middle, |u| <= half_m. Nothing in it begins or
 /// ends: geometry, profiles, shape rows and lanes are smooth.
 struct alignas(64) Station {
@@ -34,7 +39,8 @@ struct alignas(64) Station {
   float bank = 0.0F;                           ///< of the middle: superelevation, rad
   float profile[3][2] = {};                    ///< of u, u^2, u^3: superelevation, and height over z
   std::uint32_t lanes = 0;                     ///< index into BakedRoads::stretches
-  std::uint32_t shapes = 0;                    ///< index of the first of shape_count in BakedRoads::shapes
+  std::uint32_t shapes : 30 = 0;               ///< index of the first of shape_count in BakedRoads::shapes
+  std::uint32_t turned : 2 = 0;                ///< not_turned, near_turned or far_turned
   std::uint16_t shape_count = 0;               ///< unusable_station: not all numbers are finite
   std::int8_t free_right = 1, free_left = -1;  ///< so far left of the line, in free_step_m, nothing else is near
 };

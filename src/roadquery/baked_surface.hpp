@@ -7,13 +7,14 @@
 #include <cmath>
 
 #include "roadquery/baked_road.hpp"
+#include "roadquery/cross_section.hpp"
 
 namespace roadquery {
 
 /// A place of a station: u of its polynomials, and the line there in the station's frame.
 struct LinePlace {
   double u;
-  double ahead_m;  ///< what is left of the distance along the line when u was clamped
+  double ahead_m;  ///< what is left of the distance along the line (less the surface's) when u was clamped
   double left_m;   ///< horizontal distance of the point from the line, positive to the left
   double dx_du, dy_du;
   double inverse_speed;
@@ -26,6 +27,9 @@ struct SurfacePlace {
   double sin_bank, cos_bank;
   double h;                 ///< lateral profile
   const ShapePiece* shape;  ///< the piece of it; null: none
+  double ahead_m;           ///< the point lies this far ahead of the line at u: 0 unless the station is turned
+  double slope, cos_pitch;  ///< of the line there: 0 and 1 unless the station is turned
+  double bank_slope;        ///< derivative of the superelevation, of a turned station
 };
 
 /// (x, y) in the station's frame.
@@ -67,6 +71,13 @@ inline LinePolynomial line_at(const Station& q, double u) {
   const Pair low1 = low + (low + b3), high1 = four * high + b5;  // of its first derivative
   return {uu * (speed + uu * (low + u2 * high)), speed + uu * (low1 + u2 * high1),
           (low1 + three * b3) + u2 * (three * high1 + five * b5)};
+}
+
+/// The place in the station's frame that lies `off` ahead of the line's point and to its left.
+inline FramePoint place_beside(const LinePolynomial& line, const FramePoint& off) {
+  const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
+  return {line.position[0] + (off.along * line.tangent[0] - off.left * line.tangent[1]) / speed,
+          line.position[1] + (off.along * line.tangent[1] + off.left * line.tangent[0]) / speed};
 }
 
 /// Foot on the circle of curvature in the middle: a start for foot_on, and how far to go to the right station.
@@ -118,8 +129,9 @@ inline LinePlace place_at(const Station& q, double u, const FramePoint& p) {
 
 /// Foot of the perpendicular from p onto the station's line, by Newton's method from u on; up to half a metre and a
 /// quarter beyond the station's ends, where the polynomials still hold roughly. With guess_u as the start the result
-/// does not depend on where the point came from.
-inline LinePlace foot_on(const Station& q, const FramePoint& p, double u) {
+/// does not depend on where the point came from. `turned`: the place that p lies `ahead` of instead.
+template <bool turned = false>
+inline LinePlace foot_on(const Station& q, const FramePoint& p, double u, double ahead_m = 0.0) {
   constexpr double last_step_m = 1e-3;  // Newton's next one would be below 1e-7 m
   constexpr double least_share = 0.05;
   constexpr int max_steps = 16;
@@ -129,8 +141,10 @@ inline LinePlace foot_on(const Station& q, const FramePoint& p, double u) {
     const Pair offset = Pair{p.along, p.left} - line.position;
     const Pair speed2 = line.tangent * line.tangent, down = offset * line.tangent, turn = offset * line.bend;
     const double square = speed2[0] + speed2[1], rest = square - (turn[0] + turn[1]);
+    double along = down[0] + down[1];
+    if constexpr (turned) along -= ahead_m * q.speed;
     // Beyond the centre of curvature the Newton step would point away from the line.
-    const double step = (down[0] + down[1]) / std::max(rest, least_share * square);
+    const double step = along / std::max(rest, least_share * square);
     const double next = std::clamp(u + step, -bound, bound), d = next - u;
     u = next;
     // Near the centre the error after a step is its square over the share that is left.
@@ -206,6 +220,11 @@ inline void shape_at(const ShapePiece* pieces, int count, double s, double t, Su
   place.t = t, place.h = row.height(dt);
 }
 
+/// Second derivative of the height by u.
+inline double profile_bend_at(const Station& q, double u) {
+  return 2.0 * static_cast<double>(q.profile[1][1]) + 6.0 * u * static_cast<double>(q.profile[2][1]);
+}
+
 /// Slopes of the lateral profile along the road and across it, at the place of q's u.
 struct ShapeSlopes {
   double along = 0.0, across = 0.0;
@@ -217,13 +236,25 @@ inline ShapeSlopes shape_slopes(const Station& q, double u, const SurfacePlace& 
   return {low[0] + dt * low[1] + dt * dt * (high[0] + dt * high[1]), ShapeSlice(*on.shape, q.s + u).slope(dt)};
 }
 
+/// Fills in z of a place that has all before it.
+inline void lift(const Station& q, double u, const Profile& profile, SurfacePlace& place) {
+  place.z = q.z + profile.rise + place.t * place.sin_bank + place.h * place.cos_bank;
+  place.ahead_m = 0.0, place.slope = 0.0, place.cos_pitch = 1.0;
+  if (q.turned == not_turned) return;
+  const auto [bank_slope, slope] = profile_slope_at(q, u);
+  place.slope = slope, place.cos_pitch = cos_of_slope(slope), place.bank_slope = bank_slope;
+  const double rise = (place.t * place.sin_bank + place.h * place.cos_bank) * place.cos_pitch;
+  place.z = q.z + profile.rise + rise;
+  place.ahead_m = -rise * place.slope;
+}
+
 /// The surface at u and t.
 inline void surface_at_t(const BakedRoads& roads, const Station& q, double u, double t, SurfacePlace& place) {
   const Profile profile = profile_at(q, u);
   sin_cos(profile.bank, place.sin_bank, place.cos_bank);
   place.t = t, place.h = 0.0, place.shape = nullptr;
   if (q.shape_count > 0) shape_at(&roads.shapes[q.shapes], q.shape_count, q.s + u, t, place);
-  place.z = q.z + profile.rise + t * place.sin_bank + place.h * place.cos_bank;
+  lift(q, u, profile, place);
 }
 
 /// The t with t cos(bank) - h(t) sin(bank) = left_m, and the lateral profile there. The profile moves points sideways
@@ -249,7 +280,7 @@ inline void shape_at_left(const ShapePiece* pieces, int count, double s, double 
   }
 }
 
-/// The surface at u, above or below the point that lies left_m horizontally to the left of the line.
+/// The surface at u that lies left_m horizontally to the left of the line.
 inline void surface_at_left(const BakedRoads& roads, const Station& q, double u, double left_m, SurfacePlace& place) {
   const Profile profile = profile_at(q, u);
   sin_cos(profile.bank, place.sin_bank, place.cos_bank);
@@ -258,7 +289,88 @@ inline void surface_at_left(const BakedRoads& roads, const Station& q, double u,
   } else {
     place.t = left_m / place.cos_bank, place.h = 0.0, place.shape = nullptr;
   }
-  place.z = q.z + profile.rise + place.t * place.sin_bank + place.h * place.cos_bank;
+  lift(q, u, profile, place);
+}
+
+/// About how far the surface over the point left_m to the left of the line at u lies ahead of it: to a hundredth, on
+/// roads as they are built.
+inline double guess_ahead_m(const BakedRoads& roads, const Station& q, double u, double left_m) {
+  double up = left_m * (static_cast<double>(q.bank) + u * static_cast<double>(q.profile[0][0]));
+  if (q.shape_count > 0) {
+    const ShapePiece* piece = piece_at(&roads.shapes[q.shapes], q.shape_count, left_m);
+    up += ShapeSlice(*piece, q.s + u).height(left_m - static_cast<double>(piece->origin));
+  }
+  const double slope = static_cast<double>(q.profile[0][1]) + 2.0 * u * static_cast<double>(q.profile[1][1]);
+  return -up * slope * (1.0 - 0.5 * slope * slope);
+}
+
+/// As guess_u where the station is turned.
+inline double guess_turned_u(const BakedRoads& roads, const Station& q, const FramePoint& p) {
+  const double half = q.half_m, reach = static_cast<double>(roads.stretches[q.lanes].reach_m) + 1.0;
+  const double u = std::clamp(guess_u(q, p), -half, half);
+  const double left_m = std::clamp(p.left - u * u * static_cast<double>(q.bend[0][1]), -reach, reach);
+  if (q.turned != far_turned) return guess_u(q, {p.along - guess_ahead_m(roads, q, u, left_m), p.left});
+  SurfacePlace on;
+  surface_at_left(roads, q, u, left_m, on);
+  return guess_u(q, {p.along - on.ahead_m, p.left});
+}
+
+/// The surface at the line's place, and what the point then lies ahead of it. Far beside the lanes it goes on as there.
+inline void lay_turned(const BakedRoads& roads, const Station& q, LinePlace& line, SurfacePlace& on) {
+  const double reach = static_cast<double>(roads.stretches[q.lanes].reach_m) + 1.0;
+  const double left_m = std::clamp(line.left_m, -reach, reach);
+  surface_at_left(roads, q, line.u, left_m, on);
+  line.ahead_m -= on.ahead_m;
+  if (left_m != line.left_m) surface_at_left(roads, q, line.u, line.left_m, on);
+}
+
+/// What the way along the line to p shrinks by per metre of u.
+inline double nearer_by(const LinePlace& line) {
+  constexpr double least_share = 0.05;
+  const double square = line.dx_du * line.dx_du + line.dy_du * line.dy_du;
+  const double inward = line.dx_du * line.bend_y - line.dy_du * line.bend_x;
+  return std::max(square - inward * line.left_m * line.inverse_speed, least_share * square) * line.inverse_speed;
+}
+
+/// Of a turned station: the place where its surface lies over p, from u on and as far as foot_on goes, and that
+/// surface.
+inline void turned_foot(const BakedRoads& roads, const Station& q, const FramePoint& p, double u, LinePlace& line,
+                        SurfacePlace& on) {
+  constexpr double least_rate = 0.05;
+  constexpr int max_steps = 16;
+  const double nearby_m =
+      q.turned == near_turned ? 5e-5 : 1e-8;  // times what the surface lies ahead, and the curvature
+  const double bound = 1.25 * q.half_m + 0.5;
+  line = foot_on<true>(q, p, u, guess_ahead_m(roads, q, u, p.left - u * u * static_cast<double>(q.bend[0][1])));
+  for (int i = 0; i < max_steps; ++i) {
+    const double rate = nearer_by(line), inverse_rate = 1.0 / rate;  // while the surface is on its way
+    lay_turned(roads, q, line, on);
+    if (std::abs(line.ahead_m) < nearby_m) {  // along the tangent
+      const double step = line.ahead_m * inverse_rate;
+      on.z += (on.slope + line.left_m * on.bank_slope) * step, line.u += step, line.ahead_m = 0.0;
+      return;
+    }
+    const double up = on.t * on.sin_bank + on.h * on.cos_bank, bend = profile_bend_at(q, line.u);
+    const double on_from = line.left_m * on.bank_slope * on.slope + up * on.cos_pitch * on.cos_pitch * bend;
+    const double step = line.ahead_m / std::max(rate - on.cos_pitch * on_from, least_rate);
+    const double next = std::clamp(line.u + step, -bound, bound);
+    if (next == line.u) return;
+    line = place_at(q, next, p);
+  }
+}
+
+/// As tangents_at of cross_section.hpp.
+inline SectionTangents tangents_at(const Station& q, const LinePlace& line, const SurfacePlace& on, double curvature) {
+  const double speed = (line.dx_du * line.dx_du + line.dy_du * line.dy_du) * line.inverse_speed;
+  const auto [dbank, slope] = profile_slope_at(q, line.u);
+  const auto [dh_ds, dh_dt] = shape_slopes(q, line.u, on);
+  const double bend = q.turned != not_turned ? profile_bend_at(q, line.u) : 0.0;
+  return tangents_at(SectionPoint{on.t, on.h, on.sin_bank, on.cos_bank, on.slope * on.cos_pitch, on.cos_pitch},
+                     SectionSlopes{speed, curvature, slope, bend, dbank, dh_ds, dh_dt}, q.turned != not_turned);
+}
+inline double curvature_at(const LinePlace& line) {
+  return (line.dx_du * line.bend_y - line.dy_du * line.bend_x) * line.inverse_speed * line.inverse_speed *
+         line.inverse_speed;
 }
 
 /// Unit normal, upwards, in map axes, and the curvature in plan of the line of constant t.
@@ -266,21 +378,11 @@ struct Bearing {
   double normal[3] = {0.0, 0.0, 1.0};
   double curvature = 0.0;
 };
-/// As surface_point of road_surface.hpp: dP/ds x dP/dt in the frame (forward, left, up) of the line at u.
+/// As surface_point of road_surface.hpp.
 inline Bearing bearing_at(const Station& q, const LinePlace& line, const SurfacePlace& on) {
-  const double u = line.u;
-  const double inverse_speed = line.inverse_speed;
-  const double speed = (line.dx_du * line.dx_du + line.dy_du * line.dy_du) * inverse_speed;
-  const double curvature =
-      (line.dx_du * line.bend_y - line.dy_du * line.bend_x) * inverse_speed * inverse_speed * inverse_speed;
-  const double left = on.t * on.cos_bank - on.h * on.sin_bank, up = on.t * on.sin_bank + on.h * on.cos_bank;
-  const auto [dbank, slope] = profile_slope_at(q, u);
-  const auto [dh_ds, dh_dt] = shape_slopes(q, u, on);
-  const double s_forward = speed * (1.0 - curvature * left);
-  const double s_left = -up * dbank - dh_ds * on.sin_bank;
-  const double s_up = slope + left * dbank + dh_ds * on.cos_bank;
-  const double t_left = on.cos_bank - dh_dt * on.sin_bank, t_up = on.sin_bank + dh_dt * on.cos_bank;
-  const double n_forward = s_left * t_up - s_up * t_left, n_left = -s_forward * t_up, n_up = s_forward * t_left;
+  const double inverse_speed = line.inverse_speed, curvature = curvature_at(line);
+  const SectionTangents tangents = tangents_at(q, line, on, curvature);
+  const double n_forward = tangents.normal_forward(), n_left = tangents.normal_left(), n_up = tangents.area();
   Bearing bearing;
   if (!(n_up > 0.0)) return bearing;  // beyond the centre of curvature the surface is folded over
   const double scale = 1.0 / std::sqrt(n_forward * n_forward + n_left * n_left + n_up * n_up);
@@ -289,7 +391,7 @@ inline Bearing bearing_at(const Station& q, const LinePlace& line, const Surface
   bearing.normal[0] = (tx * n_forward - ty * n_left) * scale;
   bearing.normal[1] = (ty * n_forward + tx * n_left) * scale;
   bearing.normal[2] = n_up * scale;
-  bearing.curvature = curvature / (1.0 - curvature * left);
+  bearing.curvature = curvature_beside(curvature, on.t * on.cos_bank - on.h * on.sin_bank, on.ahead_m);
   return bearing;
 }
 

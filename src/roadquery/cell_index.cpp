@@ -168,16 +168,17 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
     for (const double part : {-1.0, 0.0, 1.0}) {
       const double u = part * q.half_m;
       const LinePolynomial line = line_at(q, u);
-      const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
       const Pair edges = cubics_at(lanes.edges, q.s + u - lanes.s);
-      for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
-        const double a = line.position[0] - t * line.tangent[1] / speed,
-                     l = line.position[1] + t * line.tangent[0] / speed;
-        const double dx = q.x - x + a * q.cos_hdg - l * q.sin_hdg, dy = q.y - y + a * q.sin_hdg + l * q.cos_hdg;
-        const double along = dx * c + dy * n, left = dy * c - dx * n - 0.5 * entry.curvature * along * along;
-        along_min = std::min(along_min, along), along_max = std::max(along_max, along);
-        left_min = std::min(left_min, left), left_max = std::max(left_max, left);
-      }
+      const AheadRange ahead = ahead_range(roads, q, u);
+      for (const double ahead_m : {ahead.min_m, ahead.max_m})
+        for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
+          const FramePoint at = place_beside(line, {ahead_m, t});
+          const double dx = q.x - x + at.along * q.cos_hdg - at.left * q.sin_hdg,
+                       dy = q.y - y + at.along * q.sin_hdg + at.left * q.cos_hdg;
+          const double along = dx * c + dy * n, left = dy * c - dx * n - 0.5 * entry.curvature * along * along;
+          along_min = std::min(along_min, along), along_max = std::max(along_max, along);
+          left_min = std::min(left_min, left), left_max = std::max(left_max, left);
+        }
     }
   }
   entry.along_min = to_cm(along_min - outline_margin_m, false),

@@ -65,7 +65,8 @@ class CellMarker {
     if (arm.places.size() < 2) return;
     const double around = surface_.spacing_m;  // more than from a cell's middle to its corner
     const double right = arm.places.front().left_m - beside_arm_m - around,
-                 left = arm.places.back().left_m + beside_arm_m + around, in = junction_transition_m + around;
+                 left = arm.places.back().left_m + beside_arm_m + around,
+                 in = junction_transition_m + arm.slant_m + around;
     const double reach = in + std::max(std::abs(right), std::abs(left));
     const int last_row = cell((arm.y + reach - surface_.y) * per_m_, surface_.rows),
               last_column = cell((arm.x + reach - surface_.x) * per_m_, surface_.columns);

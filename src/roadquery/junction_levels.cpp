@@ -31,15 +31,13 @@ class Band {
     for (const double u : {-static_cast<double>(other.half_m), static_cast<double>(other.half_m)}) {
       const double ds = other.s + u - lanes.s;
       const LinePolynomial line = line_at(other, u);
-      const double speed = std::hypot(line.tangent[0], line.tangent[1]);
       const Pair edges = cubics_at(lanes.edges, ds);
       for (const double t : {edges[0], 0.0, edges[1]}) {
         SurfacePlace place;
         surface_at_t(roads, other, u, t, place);
-        const double along = line.position[0] - t * line.tangent[1] / speed,
-                     left = line.position[1] + t * line.tangent[0] / speed;
-        add(other.x + along * other.cos_hdg - left * other.sin_hdg,
-            other.y + along * other.sin_hdg + left * other.cos_hdg, place.z);
+        const FramePoint at = place_beside(line, {place.ahead_m, t});
+        add(other.x + at.along * other.cos_hdg - at.left * other.sin_hdg,
+            other.y + at.along * other.sin_hdg + at.left * other.cos_hdg, place.z);
       }
     }
   }
@@ -65,10 +63,12 @@ class Band {
       }
     }
     for (const JunctionArm& arm : surface.arms)
-      for (const double in_m : {-junction_transition_m, 0.0, junction_transition_m})
-        for (const JunctionArm::Place& place : arm.places)
+      for (const double inside_m : {-junction_transition_m, 0.0, junction_transition_m})
+        for (const JunctionArm::Place& place : arm.places) {
+          const double in_m = place.in_m + inside_m;
           add_near(box, beside_arm_m + junction_transition_m, arm.x + in_m * arm.in_x - place.left_m * arm.in_y,
                    arm.y + in_m * arm.in_y + place.left_m * arm.in_x, arm_height(arm, in_m, place.left_m));
+        }
   }
   [[nodiscard]] bool is_one_level() const { return finite_ && high_ - low_ <= widest_band_m; }
 
@@ -108,16 +108,15 @@ void find_core(const BakedRoads& roads, const Station& q, StationJunction& junct
   for (int k = 0; k <= parts; ++k) {
     const double u = q.half_m * (2.0 * k / parts - 1.0);
     const LinePolynomial line = line_at(q, u);
-    const double speed = std::hypot(line.tangent[0], line.tangent[1]);
     const Pair edges = cubics_at(lanes.edges, q.s + u - lanes.s);
     for (const int side : {0, 1}) {
       SurfacePlace place;
       surface_at_t(roads, q, u, edges[side], place);
-      const double beside = place.t * place.cos_bank - place.h * place.sin_bank;
-      const double a = line.position[0] - beside * line.tangent[1] / speed,
-                   l = line.position[1] + beside * line.tangent[0] / speed;
-      const NearPlace near = near_place(q, q.x + a * q.cos_hdg - l * q.sin_hdg, q.y + a * q.sin_hdg + l * q.cos_hdg);
-      if (!(std::abs(near.u - u) <= end_margin_m(q) && std::abs(near.left_m - beside) <= 0.5 * margin_m)) return;
+      const double left_m = place.t * place.cos_bank - place.h * place.sin_bank;
+      const FramePoint at = place_beside(line, {place.ahead_m, left_m});
+      const NearPlace near = near_place(q, q.x + at.along * q.cos_hdg - at.left * q.sin_hdg,
+                                        q.y + at.along * q.sin_hdg + at.left * q.cos_hdg);
+      if (!(std::abs(near.u - u) <= end_margin_m(q) && std::abs(near.left_m - left_m) <= 0.5 * margin_m)) return;
       if (side == 0)
         right = std::max(right, near.left_m);
       else

@@ -100,14 +100,22 @@ Falloff falloff(double distance_m, double reach_m) {
   return {1.0 - u * u * u * (10.0 + u * (6.0 * u - 15.0)), -30.0 * u * u * (1.0 - u) * (1.0 - u) / reach_m};
 }
 
-/// Height of the strip `in_m` into the junction, `left_m` beside its line, and the slopes along these axes.
-JunctionHeight strip_at(const JunctionArm& arm, double in_m, double left_m) {
+/// Where a strip begins beside the end of its reference line, and how that changes to the left; its height and the
+/// slopes along these axes at some place.
+struct Strip {
+  double begin_m = 0.0, slant = 0.0;
+  JunctionHeight height;
+};
+
+/// At `in_m` into the junction, `left_m` beside the strip's line.
+Strip strip_at(const JunctionArm& arm, double in_m, double left_m) {
   std::size_t k = 1;
   while (k + 1 < arm.places.size() && arm.places[k].left_m < left_m) ++k;
   const JunctionArm::Place &a = arm.places[k - 1], &b = arm.places[k];
   const double width = b.left_m - a.left_m, dz = (b.z - a.z) / width, dg = (b.dz_dinwards - a.dz_dinwards) / width;
   const double from = left_m - a.left_m, gradient = a.dz_dinwards + dg * from;
-  return {a.z + dz * from + gradient * in_m, gradient, dz + dg * in_m};
+  const double slant = (b.in_m - a.in_m) / width, begin_m = a.in_m + slant * from, inside_m = in_m - begin_m;
+  return {begin_m, slant, {a.z + dz * from + gradient * inside_m, gradient, dz + dg * inside_m - gradient * slant}};
 }
 
 JunctionHeight in_plan(const JunctionHeight& local, const JunctionArm& arm) {
@@ -123,19 +131,23 @@ bool arm_at(const JunctionArm& arm, double x, double y, ArmAt& at) {
   if (arm.places.size() < 2) return false;
   const double dx = x - arm.x, dy = y - arm.y;
   const double in_m = arm.in_x * dx + arm.in_y * dy;
-  if (!(std::abs(in_m) < junction_transition_m)) return false;
+  if (!(std::abs(in_m) < junction_transition_m + arm.slant_m)) return false;
   const double left_m = arm.in_x * dy - arm.in_y * dx;
+  const Strip strip = strip_at(arm, in_m, left_m);
+  const double inside_m = in_m - strip.begin_m;
   const double right_edge_m = arm.places.front().left_m, left_edge_m = arm.places.back().left_m;
   const double beside_m = std::max({right_edge_m - left_m, left_m - left_edge_m, 0.0});
-  const Falloff along = falloff(std::abs(in_m), junction_transition_m), across = falloff(beside_m, beside_arm_m);
+  const Falloff along = falloff(std::abs(inside_m), junction_transition_m), across = falloff(beside_m, beside_arm_m);
   const double weight = along.value * across.value;
   if (weight <= 0.0) return false;
   constexpr double least = 1e-9;  // keeps the share finite on the end line
   const double rest = 1.0 - weight + least, slope = (1.0 + least) / (rest * rest);
-  const double along_slope = in_m < 0.0 ? -along.slope : along.slope;
+  const double along_slope = inside_m < 0.0 ? -along.slope : along.slope;
   const double across_slope = left_m < right_edge_m ? -across.slope : across.slope;
-  at.share = in_plan({weight / rest, slope * along_slope * across.value, slope * along.value * across_slope}, arm);
-  at.height = in_plan(strip_at(arm, in_m, left_m), arm);
+  at.share = in_plan({weight / rest, slope * along_slope * across.value,
+                      slope * (along.value * across_slope - strip.slant * along_slope * across.value)},
+                     arm);
+  at.height = in_plan(strip.height, arm);
   return true;
 }
 
@@ -210,7 +222,9 @@ JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, doub
   return bicubic({first, first + next, first + 2 * next, first + 3 * next}, NodePair{u_x, u_y}, inverse_spacing);
 }
 
-double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }
+double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).height.z; }
+
+double arm_begin(const JunctionArm& arm, double left_m) { return strip_at(arm, 0.0, left_m).begin_m; }
 
 namespace {
 /// Sidewalks, kerbs (borders with heights), gores. Shoulders, parking strips and flush borders are carriageway.
@@ -250,9 +264,11 @@ JunctionArm junction_arm(const Road& road, ContactPoint end) {
   JunctionArm arm{reference.x, reference.y, sign * std::cos(reference.hdg), sign * std::sin(reference.hdg), {}};
   for (const double t : bends_across(road, s, reference.curvature)) {
     const SurfacePoint point = surface_point(road, s, t, reference);
-    const double left =
-        std::cos(reference.hdg) * (point.y - reference.y) - std::sin(reference.hdg) * (point.x - reference.x);
-    arm.places.push_back({sign * left, point.z, sign * gradient_towards(point, reference.hdg)});
+    const double dx = point.x - reference.x, dy = point.y - reference.y;
+    const double left = std::cos(reference.hdg) * dy - std::sin(reference.hdg) * dx;
+    const double in_m = arm.in_x * dx + arm.in_y * dy;
+    arm.places.push_back({sign * left, point.z, sign * gradient_towards(point, reference.hdg), in_m});
+    arm.slant_m = std::max(arm.slant_m, std::abs(in_m));
   }
   if (!at_end) std::reverse(arm.places.begin(), arm.places.end());
   const auto same = [](const auto& p, const auto& q) { return q.left_m - p.left_m < 1e-6; };
@@ -295,7 +311,8 @@ bool reaches_into(const JunctionArm& arm, const JunctionSurface& surface) {
   const double right = arm.places.front().left_m - beside_arm_m, left = arm.places.back().left_m + beside_arm_m;
   for (int k = 0; k <= along; ++k)
     for (int i = 0; i <= across; ++i) {
-      const double left_m = right + (left - right) * i / across, in_m = junction_transition_m * k / along;
+      const double left_m = right + (left - right) * i / across;
+      const double in_m = arm_begin(arm, left_m) + junction_transition_m * k / along;
       const double x = arm.x + arm.in_x * in_m - arm.in_y * left_m, y = arm.y + arm.in_y * in_m + arm.in_x * left_m;
       if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, in_m, left_m)))
         return true;

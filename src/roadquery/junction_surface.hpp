@@ -6,7 +6,8 @@
 // Between the nodes of the grid: bicubic, Catmull-Rom (Keys, Cubic convolution interpolation for digital image
 // processing, IEEE Trans. ASSP 29, 1981), C1, exact for planes and quadratic surfaces. Along the arms the field turns
 // into the arm's own surface, carried on straight: what OpenDRIVE 1.8 calls the transitionLength of a joint segment
-// (12.10). With S the smooth step of fifth degree, the point a_i inside the end line of arm i and b_i beside its strip,
+// (12.10). With S the smooth step of fifth degree, the point a_i inside the end line of arm i (its last cross section
+// in plan) and b_i beside its strip,
 //
 //     w_i = (1 - S(a_i / 2 m)) (1 - S(b_i / 1 m))    l_i = w_i / (1 - w_i)    z = (field + sum l_i arm_i) / (1 + sum
 //     l_i)
@@ -71,6 +72,9 @@ struct JunctionField {
 /// Height of an arm's strip `in_m` into the junction and `left_m` beside its line, seen into the junction. The arm has
 /// at least two places.
 [[nodiscard]] double arm_height(const JunctionArm& arm, double in_m, double left_m);
+/// How far into the junction the strip begins, `left_m` beside its line: 0 but for a banked road on a slope. The arm
+/// has at least two places.
+[[nodiscard]] double arm_begin(const JunctionArm& arm, double left_m);
 
 /// Sets the arms of every junction that has a surface: all road ends that are linked to it or, linked to another
 /// junction, count somewhere inside its boundary on its level (where two surfaces overlap both turn into the same

@@ -41,7 +41,7 @@ class LevelSide {
     const auto add = [&](double s) {
       if (s > section_.s && s < end_) fixed.insert(s);
     };
-    for (const auto* cubics : {&road_.superelevation, &road_.lane_offset})
+    for (const auto* cubics : {&road_.elevation, &road_.superelevation, &road_.lane_offset})
       for (const Cubic& c : *cubics) add(c.s);
     for (const ShapeCubic& c : road_.shape) add(c.s);
     for (const Lane& lane : lanes_) {
@@ -58,10 +58,11 @@ class LevelSide {
   }
 
  private:
-  /// Height of the cross section over the reference line.
+  /// Height of the cross section over the reference line, at right angles to that, by the cosine of its pitch: so much
+  /// lies one place of it over another that is at one height with it across the road in plan.
   [[nodiscard]] double cross_height(double s, double t) const {
-    const double bank = superelevation(road_, s);
-    return t * std::sin(bank) + shape(road_, s, t).h * std::cos(bank);
+    const double bank = superelevation(road_, s), slope = gradient(road_, s);
+    return (t * std::sin(bank) + shape(road_, s, t).h * std::cos(bank)) * std::sqrt(1.0 + slope * slope);
   }
   void split(double from, double to, std::vector<double>& result) const {
     const double middle = 0.5 * (from + to), inside = std::min(1e-9, 1e-3 * (to - from));

@@ -128,7 +128,9 @@ double bend_of(const BakedRoads& roads, const Station& q) {
     const LinePolynomial line = line_at(q, u);
     const double speed2 = line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1];
     const double tilt = 1.0 - std::abs(line.tangent[0]) / std::sqrt(speed2);
-    bend_m = std::max(bend_m, std::abs(line.position[1]) + tilt * roads.stretches[q.lanes].reach_m);
+    const AheadRange ahead = ahead_range(roads, q, u);
+    const double aside = std::max(-ahead.min_m, ahead.max_m) * std::abs(line.tangent[1]) / std::sqrt(speed2);
+    bend_m = std::max(bend_m, std::abs(line.position[1]) + tilt * roads.stretches[q.lanes].reach_m + aside);
   }
   return bend_m;
 }
@@ -142,20 +144,34 @@ void keep_free_width(const BakedRoads& roads, const FreeWidth& free, Station& q)
 
 }  // namespace
 
+AheadRange ahead_range(const BakedRoads& roads, const Station& q, double u) {
+  AheadRange range;
+  if (q.turned == not_turned) return range;
+  constexpr int parts = 4;  // across the lanes: between two a lateral profile bends by little
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  const Pair edges = cubics_at(lanes.edges, q.s + u - lanes.s);
+  for (int k = 0; k <= parts; ++k) {
+    SurfacePlace place;
+    surface_at_t(roads, q, u, edges[0] + (edges[1] - edges[0]) * k / parts, place);
+    range.min_m = std::min(range.min_m, place.ahead_m), range.max_m = std::max(range.max_m, place.ahead_m);
+  }
+  return range;
+}
+
 StationBox station_box(const BakedRoads& roads, const Station& q) {
   const LaneStretch& lanes = roads.stretches[q.lanes];
   StationBox box{1e30, -1e30, 1e30, -1e30};
   for (const double part : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
     const double u = part * q.half_m, ds = q.s + u - lanes.s;
     const LinePolynomial line = line_at(q, u);
-    const double x = line.position[0], y = line.position[1], dx = line.tangent[0], dy = line.tangent[1];
-    const double speed = std::sqrt(dx * dx + dy * dy);
+    const AheadRange ahead = ahead_range(roads, q, u);
     const Pair edges = cubics_at(lanes.edges, ds);
-    for (const double t : {0.0, edges[1], edges[0]}) {
-      const double along = x - t * dy / speed, left = y + t * dx / speed;
-      box.along_min = std::min(box.along_min, along), box.along_max = std::max(box.along_max, along);
-      box.left_min = std::min(box.left_min, left), box.left_max = std::max(box.left_max, left);
-    }
+    for (const double ahead_m : {ahead.min_m, ahead.max_m})
+      for (const double t : {0.0, edges[1], edges[0]}) {
+        const FramePoint at = place_beside(line, {ahead_m, t});
+        box.along_min = std::min(box.along_min, at.along), box.along_max = std::max(box.along_max, at.along);
+        box.left_min = std::min(box.left_min, at.left), box.left_max = std::max(box.left_max, at.left);
+      }
   }
   box.along_min -= box_rounding_m, box.left_min -= box_rounding_m;
   box.along_max += box_rounding_m, box.left_max += box_rounding_m;

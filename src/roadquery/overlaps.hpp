@@ -12,6 +12,12 @@ struct StationBox {
 };
 [[nodiscard]] StationBox station_box(const BakedRoads& roads, const Station& station);
 
+/// How far the cross section at u reaches behind its place on the line (< 0) and ahead of it: 0 unless it is turned.
+struct AheadRange {
+  double min_m = 0.0, max_m = 0.0;
+};
+[[nodiscard]] AheadRange ahead_range(const BakedRoads& roads, const Station& station, double u);
+
 /// Fills in the companions of all stations, and the part of each one's width that neither they nor a junction's own
 /// surface touch; deciding_junction where junctions touch a station, whatever their level. Surfaces of roads further
 /// apart than `level_m` in height are none of each other's business.

@@ -117,7 +117,8 @@ RoadCrgs::Height RoadCrgs::by_st(const Layer& layer, const RoadPlace& place) {
   const CrgHeight h =
       layer.grid->evaluate(layer.sign * (place.s - layer.s_offset), layer.sign * (place.t - layer.t_offset),
                            layer.mode == Mode::attached ? CrgPart::grid : CrgPart::whole);
-  return {h.z_m, layer.sign * h.dz_du * place.s_per_along, layer.sign * h.dz_dv * place.t_per_left};
+  return {h.z_m, layer.sign * (h.dz_du * place.s_per_along + h.dz_dv * place.t_per_along),
+          layer.sign * (h.dz_du * place.s_per_left + h.dz_dv * place.t_per_left)};
 }
 
 RoadCrgs::Height RoadCrgs::by_xy(const Layer& layer, const RoadPlace& place) {

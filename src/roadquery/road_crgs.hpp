@@ -15,9 +15,9 @@ namespace roadquery {
 /// A place of a road, for what is laid on it.
 struct RoadPlace {
   double s = 0.0, t = 0.0, x = 0.0, y = 0.0;
-  double cos_hdg = 1.0, sin_hdg = 0.0;  ///< of the reference line at s
-  double s_per_along = 1.0;  ///< ds per metre along that heading here: 1 / (1 - curvature x metres to the left)
-  double t_per_left = 1.0;   ///< dt per metre to the left: 1 / cos(superelevation)
+  double cos_hdg = 1.0, sin_hdg = 0.0;         ///< of the reference line at s
+  double s_per_along = 1.0, t_per_left = 1.0;  ///< ds and dt per metre along that heading and to its left in plan
+  double s_per_left = 0.0, t_per_along = 0.0;
 };
 
 /// The surface at a place: height, and how it rises per metre along the reference line's heading and to its left.

@@ -176,15 +176,18 @@ struct Priority {
 /// The end of a road at a junction, as the junction's surface meets it: a strip that goes on straight into the junction
 /// with the road's height and slope.
 struct JunctionArm {
-  /// Across the strip, from right to left: height and its slope into the junction, linear in between and beyond.
+  /// Across the strip, from right to left: where it begins, its height there and its slope into the junction, linear in
+  /// between and beyond.
   struct Place {
     double left_m = 0.0;       ///< of the end of the reference line, seen into the junction
     double z = 0.0;            ///< m
     double dz_dinwards = 0.0;  ///< 1
+    double in_m = 0.0;         ///< of that end, into the junction: of a road with superelevation on a slope
   };
   double x = 0.0, y = 0.0;        ///< end of the reference line
   double in_x = 1.0, in_y = 0.0;  ///< unit vector into the junction
   std::vector<Place> places;      ///< at least two; left_m ascends: the road's edges and what bends between them
+  double slant_m = 0.0;           ///< largest |in_m| of them
 };
 
 /// The whole paved area of a junction as one height field: what lies inside the boundary has this surface, and no

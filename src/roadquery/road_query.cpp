@@ -107,7 +107,10 @@ bool follow(const BakedRoads& roads, std::uint32_t station, double x, double y, 
   const Station& q = roads.stations[station];
   if (q.shape_count == unusable_station) return false;
   const FramePoint p = in_frame(q, x, y);
-  found.line = foot_on(q, p, guess_u(q, p));
+  if (q.turned != not_turned)
+    turned_foot(roads, q, p, guess_u(q, p), found.line, found.on);
+  else
+    found.line = foot_on(q, p, guess_u(q, p));
   found.along_rest_m = 0.0;
   const LaneStretch& lanes = roads.stretches[q.lanes];
   if (holds(q, found.line.u)) {
@@ -338,14 +341,12 @@ std::optional<RoadSection> RoadQuery::section(std::size_t road, double s) const 
   const Station& q = baked_.stations[station];
   const double u = s - q.s;
   const LinePolynomial line = line_at(q, u);
-  const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
   const auto point = [&](double t) {
     SurfacePlace on;
     surface_at_t(baked_, q, u, t, on);
-    const double left = t * on.cos_bank - on.h * on.sin_bank;
-    const double a = line.position[0] - left * line.tangent[1] / speed,
-                 l = line.position[1] + left * line.tangent[0] / speed;
-    return std::array{q.x + a * q.cos_hdg - l * q.sin_hdg, q.y + a * q.sin_hdg + l * q.cos_hdg, on.z};
+    const FramePoint at = place_beside(line, {on.ahead_m, t * on.cos_bank - on.h * on.sin_bank});
+    return std::array{q.x + at.along * q.cos_hdg - at.left * q.sin_hdg,
+                      q.y + at.along * q.sin_hdg + at.left * q.cos_hdg, on.z};
   };
   const Edges edges = road_edges(map_.roads[road], s);
   return RoadSection{point(edges.left_t), point(edges.right_t), point(0.0)};

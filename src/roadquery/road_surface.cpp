@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "roadquery/cross_section.hpp"
 #include "roadquery/poly_curve.hpp"
 
 namespace roadquery {
@@ -116,6 +117,11 @@ double derivative(std::span<const Cubic> cubics, double s) {
   if (c == nullptr) return 0.0;
   const double ds = s - c->s;
   return c->b + ds * (2.0 * c->c + ds * 3.0 * c->d);
+}
+
+double second_derivative(std::span<const Cubic> cubics, double s) {
+  const Cubic* c = item_at(cubics, s);
+  return c == nullptr ? 0.0 : 2.0 * c->c + (s - c->s) * 6.0 * c->d;
 }
 
 double elevation(const Road& road, double s) { return evaluate(road.elevation, s); }
@@ -234,9 +240,52 @@ ShapePoint lane_height(const Road& road, double s, double t) {
   return {};
 }
 
+namespace {
+
+SectionPoint section_point(const Road& road, double s, double t, double h) {
+  const double bank = superelevation(road, s), slope = gradient(road, s),
+               cos_pitch = 1.0 / std::sqrt(1.0 + slope * slope);
+  return {t, h, std::sin(bank), std::cos(bank), slope * cos_pitch, cos_pitch};
+}
+
+SectionSlopes slopes_at(const Road& road, double s, const PlanPoint& line, const ShapePoint& q) {
+  return {line.speed,
+          line.curvature,
+          gradient(road, s),
+          second_derivative(road.elevation, s),
+          derivative(road.superelevation, s),
+          q.dh_ds,
+          q.dh_dt};
+}
+
+}  // namespace
+
 double surface_height(const Road& road, double s, double t) {
-  const double bank = superelevation(road, s);
-  return elevation(road, s) + t * std::sin(bank) + shape(road, s, t).h * std::cos(bank) + lane_height(road, s, t).h;
+  return elevation(road, s) + section_point(road, s, t, shape(road, s, t).h).rise() + lane_height(road, s, t).h;
+}
+
+RoadPosition position_over(const Road& road, double x, double y, double s_near) {
+  constexpr int most_steps = 32;
+  constexpr double small_m = 1e-10, least_share = 0.05;
+  RoadPosition at{std::clamp(s_near, 0.0, road.length)};
+  for (int i = 0; i < most_steps; ++i) {
+    const PlanPoint line = reference_point(road, at.s);
+    const double c = std::cos(line.hdg), n = std::sin(line.hdg), dx = x - line.x, dy = y - line.y;
+    at.t = t_at(road, at.s, dy * c - dx * n);
+    const ShapePoint q = shape(road, at.s, at.t);
+    const SectionPoint section = section_point(road, at.s, at.t, q.h);
+    at.beyond_m = dx * c + dy * n - section.ahead();
+    const SectionTangents tangents = tangents_at(section, slopes_at(road, at.s, line, q), true);
+    const double step = at.beyond_m * tangents.t_left / std::max(tangents.area(), least_share * line.speed);
+    const double next = std::clamp(at.s + step, 0.0, road.length);
+    if (std::abs(step) < small_m) {
+      at.beyond_m = 0.0;
+      break;
+    }
+    if (next == at.s) break;  // at the road's end
+    at.s = next;
+  }
+  return at;
 }
 
 SurfacePoint surface_point(const Road& road, double s, double t) {
@@ -245,24 +294,18 @@ SurfacePoint surface_point(const Road& road, double s, double t) {
 }
 
 SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference) {
-  const double bank = superelevation(road, s);
-  const double cos_bank = std::cos(bank), sin_bank = std::sin(bank);
   const double cos_hdg = std::cos(reference.hdg), sin_hdg = std::sin(reference.hdg);
   const ShapePoint q = shape(road, s, t);
-  // The point in the cross section: `left` and `up` of the reference point.
-  const double left = t * cos_bank - q.h * sin_bank, up = t * sin_bank + q.h * cos_bank;
-  SurfacePoint point;
-  point.x = reference.x - sin_hdg * left;
-  point.y = reference.y + cos_hdg * left;
   const ShapePoint lane = lane_height(road, s, t);
-  point.z = elevation(road, s) + up + lane.h;
-  // Normal = (dP/ds) x (dP/dt) in the frame (forward, left, up); dP/dt has no forward part.
-  const double dbank = derivative(road.superelevation, s);
-  const double s_forward = reference.speed * (1.0 - reference.curvature * left);
-  const double s_left = -up * dbank - q.dh_ds * sin_bank;
-  const double s_up = gradient(road, s) + left * dbank + q.dh_ds * cos_bank + lane.dh_ds;
-  const double t_left = cos_bank - q.dh_dt * sin_bank, t_up = sin_bank + q.dh_dt * cos_bank + lane.dh_dt;
-  const double n_forward = s_left * t_up - s_up * t_left, n_left = -s_forward * t_up, n_up = s_forward * t_left;
+  const SectionPoint section = section_point(road, s, t, q.h);
+  const double left = section.left(), ahead = section.ahead();
+  SurfacePoint point;
+  point.x = reference.x + cos_hdg * ahead - sin_hdg * left;
+  point.y = reference.y + sin_hdg * ahead + cos_hdg * left;
+  point.z = elevation(road, s) + section.rise() + lane.h;
+  SectionTangents tangents = tangents_at(section, slopes_at(road, s, reference, q), true);
+  tangents.s_up += lane.dh_ds, tangents.t_up += lane.dh_dt;
+  const double n_forward = tangents.normal_forward(), n_left = tangents.normal_left(), n_up = tangents.area();
   const double norm = std::sqrt(n_forward * n_forward + n_left * n_left + n_up * n_up);
   // Beyond the centre of curvature the surface is folded over (n_up < 0): no surface to speak of, keep "up".
   if (norm > 0.0 && n_up > 0.0) {

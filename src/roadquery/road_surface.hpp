@@ -24,6 +24,7 @@ struct SurfacePoint {
 /// Value of a piecewise cubic at s; 0 when empty and before the first one starts.
 [[nodiscard]] double evaluate(std::span<const Cubic> cubics, double s);
 [[nodiscard]] double derivative(std::span<const Cubic> cubics, double s);
+[[nodiscard]] double second_derivative(std::span<const Cubic> cubics, double s);
 
 [[nodiscard]] double elevation(const Road& road, double s);
 [[nodiscard]] double gradient(const Road& road, double s);        ///< dz/ds of the reference line
@@ -44,8 +45,16 @@ struct ShapePoint {
   double h = 0.0, dh_ds = 0.0, dh_dt = 0.0;
 };
 [[nodiscard]] ShapePoint shape(const Road& road, double s, double t);
-/// t of the surface point that lies `left_m` horizontally to the left of the reference line.
+/// t of the point of the cross section at s that lies `left_m` horizontally to the left of the reference line.
 [[nodiscard]] double t_at(const Road& road, double s, double left_m);
+/// A cross section of a road and the place on it.
+struct RoadPosition {
+  double s = 0.0, t = 0.0;
+  double beyond_m = 0.0;  ///< 0: on it; else it is at the road's end, and the point lies this far ahead (< 0: behind)
+};
+/// The surface over (x, y), by Newton's method from s_near on. Beside the lanes their lateral profile goes on. Where
+/// the road folds, beyond its centre of curvature, the method may end at any s, and beyond_m says what it missed by.
+[[nodiscard]] RoadPosition position_over(const Road& road, double x, double y, double s_near);
 /// Heights of a lane over the road's surface at its inner and outer border, and how they change per metre of s.
 struct LaneHeightAt {
   double value[2] = {}, rise[2] = {};
@@ -57,8 +66,9 @@ struct LaneHeightAt {
 void remove_lane_heights(RoadMap& map);
 /// z of surface_point, for less.
 [[nodiscard]] double surface_height(const Road& road, double s, double t);
-/// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation, and by the
-/// shape at right angles to that; lanes with heights lie so much higher.
+/// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation about the
+/// tangent with its slope, and by the shape at right angles to both (cross_section.hpp); lanes with heights lie so much
+/// higher, along z.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t);
 /// The same for who has the reference point at s already.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference);

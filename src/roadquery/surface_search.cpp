@@ -12,8 +12,8 @@ namespace {
 /// Beyond which end of the range a point lies.
 enum class Beyond : std::uint8_t { none, kink, first, last };
 
-/// The place of (x, y) on the station that holds its foot, from one in the range on; clamped to the station's end where
-/// the foot lies between two stations (a kink) or beyond the range. False when most_steps were not enough.
+/// The place of (x, y) on the station whose surface lies there, from one in the range on; clamped to the station's end
+/// where it lies between two stations (a kink) or beyond the range. False when most_steps were not enough.
 bool find_station(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, Found& found,
                   Beyond& beyond) {
   std::uint32_t low = range.first, high = range.last;  // the foot is on these, as far as is known
@@ -24,9 +24,13 @@ bool find_station(const BakedRoads& roads, const StationRange& range, double x, 
     const double half = q.half_m;
     const FramePoint p = in_frame(q, x, y);
     double u = guess_u(q, p);
+    if (q.turned == far_turned && !(std::abs(u) <= 1.25 * half + 0.5)) u = guess_turned_u(roads, q, p);
     if (std::isnan(u)) return false;  // of a place that is none, or a line that overflows
     if (std::abs(u) <= 1.25 * half + 0.5) {
-      found.line = foot_on(q, p, u);
+      if (q.turned != not_turned)
+        turned_foot(roads, q, p, u, found.line, found.on);
+      else
+        found.line = foot_on(q, p, u);
       u = found.line.u;
       beyond = Beyond::none;
       if (holds(q, u) || (std::abs(u) <= half && u > 0.0 && station == range.last)) return true;
@@ -34,6 +38,7 @@ bool find_station(const BakedRoads& roads, const StationRange& range, double x, 
     const bool ahead = u > 0.0;
     if (ahead ? station >= high : station <= low) {
       found.line = place_at(q, ahead ? half : -half, p);
+      if (q.turned != not_turned) lay_turned(roads, q, found.line, found.on);
       const bool is_end = ahead ? station == range.last : station == range.first;
       beyond = !is_end ? Beyond::kink : ahead ? Beyond::last : Beyond::first;
       return true;
@@ -98,16 +103,16 @@ void lay_lane(const BakedRoads& roads, const LaneStretch& stretch, const BakedLa
   const double inner = cubic_at(border, ds), width = cubic_at(lane.outer, ds) - inner;
   const double at_inner = height.at[0] + ds * height.rise[0], across = height.at[1] + ds * height.rise[1] - at_inner;
   const double rise = height.rise[0], rise_across = height.rise[1] - height.rise[0];
-  if (width == 0.0) {
-    laid.z += at_inner, laid.rise_along += rise * place.s_per_along;
-    return;
-  }
+  const auto add = [&](double z, double dz_ds, double dz_dt) {
+    laid.z += z;
+    laid.rise_along += dz_ds * place.s_per_along + dz_dt * place.t_per_along;
+    laid.rise_left += dz_ds * place.s_per_left + dz_dt * place.t_per_left;
+  };
+  if (width == 0.0) return add(at_inner, rise, 0.0);
   const double share = (place.t - inner) / width;
   const double inner_slope = slope_of(border, ds), width_slope = slope_of(lane.outer, ds) - inner_slope;
   const double share_slope = -(inner_slope + share * width_slope) / width;
-  laid.z += at_inner + share * across;
-  laid.rise_along += (rise + share * rise_across + share_slope * across) * place.s_per_along;
-  laid.rise_left += across / width * place.t_per_left;
+  add(at_inner + share * across, rise + share * rise_across + share_slope * across, across / width);
 }
 
 }  // namespace
@@ -121,18 +126,17 @@ void lay_relief(const BakedRoads& roads, const Station& q, double x, double y, F
     found.has_relief = false;
     return;
   }
-  const Bearing bearing = bearing_at(q, line, found.on);
   const double inverse_speed = line.inverse_speed;
   RoadPlace place{q.s + line.u, found.on.t, x, y};
   place.cos_hdg = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
   place.sin_hdg = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
-  // Of the line of constant t, k / (1 - k left): so 1 / (1 - k left) = 1 + left times that.
-  const double left = found.on.t * found.on.cos_bank - found.on.h * found.on.sin_bank;
-  place.s_per_along = (1.0 + bearing.curvature * left) * inverse_speed;
-  place.t_per_left = 1.0 / found.on.cos_bank;
-  const double(&n)[3] = bearing.normal;
-  LaidSurface laid{found.on.z, -(n[0] * place.cos_hdg + n[1] * place.sin_hdg) / n[2],
-                   -(n[1] * place.cos_hdg - n[0] * place.sin_hdg) / n[2]};
+  const SectionTangents tangents = tangents_at(q, line, found.on, curvature_at(line));
+  LaidSurface laid{found.on.z};
+  if (const double area = tangents.area(); area > 0.0) {
+    place.s_per_along = tangents.t_left / area, place.s_per_left = -tangents.t_forward / area;
+    place.t_per_along = -tangents.s_left / area, place.t_per_left = tangents.s_forward / area;
+    laid.rise_along = -tangents.normal_forward() / area, laid.rise_left = -tangents.normal_left() / area;
+  }
   laid.friction = std::nan("");
   if (raised != nullptr) lay_lane(roads, lanes, *raised, place, laid);
   if ((lanes.relief & relief_crg) != 0) roads.crgs->lay(static_cast<int>(roads.road_of(q)), place, laid);
@@ -227,11 +231,16 @@ void search_stations(const BakedRoads& roads, const Cell& cell, double x, double
       const FramePoint p = in_frame(q, x, y);
       // Of 1 at the line and 0 at the centre of curvature. What is clearly not asked for is passed over.
       const double share = 1.0 - 2.0 * static_cast<double>(q.bend[0][1]) * p.left;
-      if (only_folded ? share > 0.6 : (std::abs(guess_u(q, p)) - half) * std::max(share, 0.2) > 1.5 * reach_m) continue;
+      const double guess = q.turned != not_turned ? guess_turned_u(roads, q, p) : guess_u(q, p);
+      if (only_folded ? share > 0.6 : (std::abs(guess) - half) * std::max(share, 0.2) > 1.5 * reach_m) continue;
       Found& found = list.items[list.count];
       found.station = i;
-      found.line = foot_on(q, p, std::clamp(guess_u(q, p), -half, half));
+      if (q.turned != not_turned)
+        turned_foot(roads, q, p, std::clamp(guess, -half, half), found.line, found.on);
+      else
+        found.line = foot_on(q, p, std::clamp(guess, -half, half));
       found.line = place_at(q, std::clamp(found.line.u, -half, half), p);
+      if (q.turned != not_turned) lay_turned(roads, q, found.line, found.on);
       found.along_rest_m = std::abs(found.line.ahead_m);
       if (only_folded && !is_folded(q, found.line)) continue;
       if (found.along_rest_m <= reach_m && complete(roads, q, roads.stretches[q.lanes], x, y, outside_m, found))

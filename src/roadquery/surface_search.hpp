@@ -37,14 +37,14 @@ inline bool holds(const Station& q, double u) {
   return u >= -q.half_m - tie_m && u < q.half_m - tie_m;
 }
 
-/// Fills in the rest of what `found` has of its station and line. False when the point lies more than outside_m beside
-/// the surface; less than that the surface goes on level.
+/// Fills in the rest of what `found` has of its station and line (and, where the station is turned, surface). False
+/// when the point lies more than outside_m beside the surface; less than that the surface goes on level.
 inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretch& lanes, double x, double y,
                      double outside_m, Found& found) {
   constexpr double sideways_m = 0.25;  // the shape of a banked road moves points sideways by less
   if (std::abs(found.line.left_m) > lanes.reach_m + outside_m + sideways_m) return false;
   const double u = found.line.u, s = q.s + u, ds = s - lanes.s;
-  surface_at_left(roads, q, u, found.line.left_m, found.on);
+  if (q.turned == not_turned) surface_at_left(roads, q, u, found.line.left_m, found.on);
   const Pair edges = cubics_at(lanes.edges, ds);
   const double right_edge = edges[0], left_edge = edges[1];
   const double beside_m = std::min(left_edge - found.on.t, found.on.t - right_edge);

@@ -48,14 +48,14 @@ bool is_on(const JunctionArm& arm, const Point& p) {
   if (arm.places.empty()) return false;
   const double dx = p[0] - arm.x, dy = p[1] - arm.y;
   const double in_m = arm.in_x * dx + arm.in_y * dy, left_m = arm.in_x * dy - arm.in_y * dx;
-  return std::abs(in_m) < off_m && left_m > arm.places.front().left_m - beside_m &&
+  return std::abs(in_m - roadquery::arm_begin(arm, left_m)) < off_m && left_m > arm.places.front().left_m - beside_m &&
          left_m < arm.places.back().left_m + beside_m;
 }
 
 /// The left or right edge of an arm at its end, as seen into the junction.
 Point corner_of(const JunctionArm& arm, bool left) {
-  const double left_m = (left ? arm.places.back() : arm.places.front()).left_m;
-  return {arm.x - arm.in_y * left_m, arm.y + arm.in_x * left_m};
+  const JunctionArm::Place& at = left ? arm.places.back() : arm.places.front();
+  return {arm.x + arm.in_x * at.in_m - arm.in_y * at.left_m, arm.y + arm.in_y * at.in_m + arm.in_x * at.left_m};
 }
 
 constexpr int no_arm = -1;
