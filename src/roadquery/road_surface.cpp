@@ -266,7 +266,7 @@ double surface_height(const Road& road, double s, double t) {
 
 RoadPosition position_over(const Road& road, double x, double y, double s_near) {
   constexpr int most_steps = 32;
-  constexpr double small_m = 1e-10, least_share = 0.05;
+  constexpr double small_m = 1e-6, least_share = 0.05;  // Newton's next step would be below 1e-11 m
   RoadPosition at{std::clamp(s_near, 0.0, road.length)};
   for (int i = 0; i < most_steps; ++i) {
     const PlanPoint line = reference_point(road, at.s);
@@ -279,7 +279,7 @@ RoadPosition position_over(const Road& road, double x, double y, double s_near) 
     const double step = at.beyond_m * tangents.t_left / std::max(tangents.area(), least_share * line.speed);
     const double next = std::clamp(at.s + step, 0.0, road.length);
     if (std::abs(step) < small_m) {
-      at.beyond_m = 0.0;
+      at = {next, at.t - step * tangents.s_left / tangents.t_left, 0.0};
       break;
     }
     if (next == at.s) break;  // at the road's end

@@ -40,7 +40,21 @@ TEST(RefitProfile, of_a_plane_is_one_piece) {
   ASSERT_EQ(road.elevation.size(), 1u);
   EXPECT_NEAR(road.elevation[0].b, 0.05, 1e-6);
   ASSERT_LE(road.superelevation.size(), 1u);
-  EXPECT_NEAR(std::tan(roadquery::superelevation(road, 17.0)), -0.03, 1e-6);
+  // The cross section is pitched by the slope: rolled a little less it has that slope in plan.
+  EXPECT_NEAR(std::tan(roadquery::superelevation(road, 17.0)) * std::hypot(1.0, 0.05), -0.03, 1e-6);
+}
+
+TEST(RefitProfile, beside_a_banked_road_on_a_slope_the_frame_is_the_same) {
+  // A plane: whoever begins anywhere on its last cross section has its roll, its pitch and its plane.
+  Road road = roadquery::test::make_road(1, {0.0, 0.0, 0.0, 0.4, 30.0, roadquery::Line{}}, 0.0, 6.0);
+  road.elevation = {{.s = 0.0, .a = 10.0, .b = 0.12}};
+  road.superelevation = {{.s = 0.0, .a = 0.12}};
+  for (const double sign : {1.0, -1.0}) {
+    const ProfileEnd end = end_beside(road, true, sign, -3.0, {1.0, -5.0});
+    EXPECT_NEAR(end.banking, 0.12 * sign, 1e-12);
+    EXPECT_NEAR(end.gradient, 0.12 * sign, 1e-12);
+    EXPECT_NEAR(end.z, roadquery::surface_height(road, 30.0, -3.0 * sign), 1e-12);
+  }
 }
 
 TEST(RefitProfile, takes_no_more_pieces_than_five_millimetres_ask_for) {

@@ -124,10 +124,11 @@ LineFoot foot_on_line(const Road& road, Vec2 xy, double s) {
 
 /// Height of the surface, on by the road's gradient beyond its ends.
 double height_at(const Road& road, const LineFoot& foot, const SampleCrgOptions& options) {
-  const double s = std::clamp(foot.s, 0.0, road.length);
-  const double t = roadquery::t_at(road, s, foot.left_m);
-  const double z = roadquery::surface_height(road, s, t) + roadquery::gradient(road, s) * (foot.s - s);
-  return options.relief_m ? z + options.relief_m(s, t) : z;
+  const PlanPoint line = line_point(road, foot.s);
+  const double x = line.x - foot.left_m * std::sin(line.hdg), y = line.y + foot.left_m * std::cos(line.hdg);
+  const roadquery::RoadPosition at = roadquery::position_over(road, x, y, foot.s);
+  const double z = roadquery::surface_height(road, at.s, at.t) + roadquery::gradient(road, at.s) * at.beyond_m;
+  return options.relief_m ? z + options.relief_m(at.s, at.t) : z;
 }
 
 /// Columns over the widest part of the road.
@@ -162,7 +163,9 @@ CrgSurface sample_at_step(const Road& road, const SampleCrgOptions& options) {
   for (std::size_t i = 0; i < rows; ++i) {
     const double s = std::clamp(line.s[i], 0.0, road.length);
     edges.push_back(roadquery::road_edges(road, s));
-    surface.banking.push_back(rounded(std::tan(roadquery::superelevation(road, s)), options.format));
+    const double slope = roadquery::gradient(road, s);  // banking is a slope in plan: the cross section is pitched
+    const double across = std::tan(roadquery::superelevation(road, s)) * std::sqrt(1.0 + slope * slope);
+    surface.banking.push_back(rounded(across, options.format));
     if (i == 0) continue;
     const double rise = height_at(road, {line.s[i], 0.0, false}, {}) - z;
     surface.slope.push_back(rounded(rise / surface.u_increment_m, options.format));

@@ -23,7 +23,7 @@ struct SampleCrgOptions {
 };
 
 /// The reference line has its points on the road's, one chord of equal length apart (so u is shorter than s by the
-/// bends' sagitta: phi^2 / 24 of a step); slope and banking (the tangent of the superelevation) are the road's at the
+/// bends' sagitta: phi^2 / 24 of a step); slope and banking (across the road in plan) are the road's at the
 /// rows, the grid is the remainder. In a row the grid reproduces the road's surface at the place where crg_xy() puts
 /// the column: exactly but for the format's digits; between rows and columns bilinear interpolation misses it by an
 /// eighth of its second derivatives times the steps squared. Grid values are missing more than a column off the

@@ -181,11 +181,11 @@ NodeTarget entry_target(const std::vector<roadquery::JunctionArm>& entries, Vec2
   for (const roadquery::JunctionArm& arm : entries) {
     if (arm.places.size() < 2) continue;
     const Vec2 in{arm.in_x, arm.in_y}, d = p - Vec2{arm.x, arm.y};
-    const double in_m = dot(in, d), left_m = cross(in, d);
-    if (in_m < 0.0 || in_m > nearest || left_m < arm.places.front().left_m || left_m > arm.places.back().left_m)
+    const double in_m = dot(in, d), left_m = cross(in, d), inside_m = in_m - roadquery::arm_begin(arm, left_m);
+    if (inside_m < 0.0 || inside_m > nearest || left_m < arm.places.front().left_m || left_m > arm.places.back().left_m)
       continue;
-    nearest = in_m;
-    target = {roadquery::arm_height(arm, in_m, left_m), std::max(in_m, entry_smoothing_m)};
+    nearest = inside_m;
+    target = {roadquery::arm_height(arm, in_m, left_m), std::max(inside_m, entry_smoothing_m)};
   }
   return target;
 }

@@ -54,12 +54,17 @@ LineAcross line_across(const Road& road, double s, const Value& value) {
   return {sum / across - middle * slope, slope};
 }
 
-/// The line through the surface less the road's shape.
+/// The line through the surface less the road's shape. Over a place of the plane a cross section that is pitched by the
+/// slope lies higher by 1 / cos(pitch).
 ProfileSection section_at(const Road& road, const roadquery::JunctionSurface& surface, double s) {
+  const roadquery::PlanPoint p = roadquery::reference_point(road, s);
+  const roadquery::JunctionHeight middle = roadquery::evaluate(surface, p.x, p.y);
+  const double slope = middle.dz_dx * std::cos(p.hdg) + middle.dz_dy * std::sin(p.hdg);
+  const double higher = std::sqrt(1.0 + slope * slope);
   const LineAcross line = line_across(road, s, [&](double x, double y, double t) {
-    return roadquery::evaluate(surface, x, y).z - roadquery::shape(road, s, t).h;
+    return roadquery::evaluate(surface, x, y).z - higher * roadquery::shape(road, s, t).h;
   });
-  return {line.at_reference, std::atan(line.slope)};
+  return {line.at_reference, std::atan(line.slope / higher)};
 }
 
 double rounded_to(double v, double unit) { return std::round(v / unit) * unit; }
@@ -257,9 +262,10 @@ ProfileEnd end_beside(const Road& other, bool at_end, double sign, double t, con
   const roadquery::SurfacePoint p = roadquery::surface_point(other, s, sign * t);
   const double gradient = roadquery::gradient_towards(p, roadquery::reference_point(other, s).hdg);
   const double rise = z(lanes.left_t) - z(lanes.right_t);
-  const double slope = rise / distance_across_m(other, s, sign, lanes);
+  // Of the edges' distance the pitched cross section rises by the sine of its roll times the cosine of its pitch.
+  const double roll = rise / distance_across_m(other, s, sign, lanes) * std::sqrt(1.0 + gradient * gradient);
   const double share = (t - lanes.right_t) / (lanes.left_t - lanes.right_t);
-  return {z(lanes.right_t) + share * rise, sign * gradient, std::asin(slope)};
+  return {z(lanes.right_t) + share * rise, sign * gradient, std::asin(std::clamp(roll, -1.0, 1.0))};
 }
 
 ProfileEnd end_on(const Road& road, const roadquery::JunctionSurface& surface, bool at_end) {

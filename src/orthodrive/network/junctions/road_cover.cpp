@@ -11,9 +11,8 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double cover_step_m = 1.0;
-constexpr double off_foot_m = 1e-6;  // further from the foot of the perpendicular than this is beyond an end
+constexpr double off_end_m = 1e-6;   // further from the part's last cross section than this is beyond its end
 constexpr double straight_m = 1e-3;  // corners of pieces that lie so near to a straight edge are left out
-constexpr double foot_m = 1e-7;
 constexpr double min_piece_area_m2 = 1e-6, right_angle_rad = 0.5 * std::numbers::pi;
 
 /// Without the points that lie on the straight line between their neighbours. The ends stay.
@@ -60,9 +59,10 @@ RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double
     reference_.push_back(p);
     line_.push_back(Vec2{p.x, p.y} - origin);
     const roadquery::Edges all = edges(s, true);
-    const Vec2 left{-std::sin(p.hdg), std::cos(p.hdg)};
-    corners.push_back(line_.back() + left * all.left_t);
-    corners.push_back(line_.back() + left * all.right_t);
+    for (const double t : {all.left_t, all.right_t}) {
+      const roadquery::SurfacePoint corner = roadquery::surface_point(road, s, t, p);
+      corners.push_back(Vec2{corner.x, corner.y} - origin);
+    }
   }
   bounds_ = bounds_of(corners);
   // An edge moves less between two samples than this, and the nearest sample of a place is at most half a step off its
@@ -86,18 +86,27 @@ std::optional<RoadCover::Place> RoadCover::find(Vec2 p, bool with_sidewalks) con
     if (dot(d, d) < least) least = dot(d, d), nearest = i;
   }
   if (least > reach_m_ * reach_m_) return std::nullopt;
-  double s = s_[nearest], along = 0.0, across = 0.0;
+  // The foot of p, roughly: most roads are told from it to lie elsewhere.
+  constexpr double near_m = 0.05, beside_m = 1.0;
+  double s = s_[nearest];
   for (int iteration = 0; iteration < 12; ++iteration) {  // Newton on (p - r(s)) . r'(s) = 0
     const roadquery::PlanPoint r = iteration == 0 ? reference_[nearest] : roadquery::reference_point(*road_, s);
     const Vec2 tangent{std::cos(r.hdg), std::sin(r.hdg)}, d = p - (Vec2{r.x, r.y} - origin_);
-    along = dot(d, tangent), across = cross(tangent, d);
-    const double next =
-        std::clamp(s + along / (r.speed * std::max(1.0 - r.curvature * across, 0.1)), s_.front(), s_.back());
-    if (std::abs(next - s) < foot_m) break;
+    const double along = dot(d, tangent), across = cross(tangent, d);
+    const double wanted = s + along / (r.speed * std::max(1.0 - r.curvature * across, 0.1));
+    const double next = std::clamp(wanted, s_.front(), s_.back());
+    const bool is_there = std::abs(next - s) < near_m;
     s = next;
+    if (!is_there) continue;
+    const roadquery::Edges all = edges(s, with_sidewalks);
+    if (std::abs(wanted - next) > beside_m || across > all.left_t + beside_m || across < all.right_t - beside_m)
+      return std::nullopt;
+    break;
   }
-  if (std::abs(along) > off_foot_m) return std::nullopt;
-  const Place place{s, roadquery::t_at(*road_, s, across)};
+  const roadquery::RoadPosition over = roadquery::position_over(*road_, p.x + origin_.x, p.y + origin_.y, s);
+  s = std::clamp(over.s, s_.front(), s_.back());
+  if (std::abs(over.beyond_m + over.s - s) > off_end_m) return std::nullopt;
+  const Place place{s, over.t};
   const roadquery::Edges all = edges(s, with_sidewalks);
   if (place.t > all.left_t || place.t < all.right_t) return std::nullopt;
   return place;

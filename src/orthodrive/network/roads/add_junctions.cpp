@@ -468,13 +468,15 @@ double least_room(const std::vector<roadquery::PlanElement>& plan, const LaneSpa
   return least;
 }
 
-/// The gate with its reference line moved to t, on the plane through the edges of the lanes there.
+/// The gate with its reference line moved to t, on the straight line between the edges of the lanes there.
 Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool at_end, bool incoming) {
   const double s = at_end ? road.length : 0.0, sign = at_end == incoming ? 1.0 : -1.0;
   const ProfileEnd end = end_beside(road, at_end, sign, t, {lanes.left_t, lanes.right_t});
-  const roadquery::SurfacePoint p = roadquery::surface_point(road, s, sign * t);
+  const roadquery::SurfacePoint left = roadquery::surface_point(road, s, sign * lanes.left_t),
+                                right = roadquery::surface_point(road, s, sign * lanes.right_t);
+  const double share = (t - lanes.right_t) / (lanes.left_t - lanes.right_t);
   gate.z_m = end.z, gate.gradient = end.gradient, gate.banking = end.banking;
-  gate.pose.p = {p.x, p.y};
+  gate.pose.p = Vec2{right.x, right.y} + Vec2{left.x - right.x, left.y - right.y} * share;
   gate.banking_rate = gate.crown = 0.0;
   // Across a crown the lanes' edges lie further apart than their widths say, which count along its slopes.
   const double stretch =
