@@ -425,6 +425,7 @@ class Builder {
     object.s = a.number("s"), object.t = a.number("t");
     object.hdg = a.number("hdg", 0.0);
     object.length = a.number("length", 0.0), object.width = a.number("width", 0.0);
+    object.height = a.number("height", 0.0);
     road.objects.push_back(std::move(object));
     object_ = &road.objects.back(), outlines_ = 0;
   }

@@ -113,12 +113,13 @@ struct LaneSection {
   std::vector<Lane> right;  ///< ids -1, -2, ... outwards
 };
 
-/// What is painted on a road or stands on it (1.7, 13): we know crosswalks and road marks.
+/// What is painted on a road or stands on it (1.7, 13): we know crosswalks, road marks, humps and barriers.
 struct RoadObject {
   std::string type, subtype, name;
   double s = 0.0, t = 0.0;                     ///< middle of the box
   double hdg = 0.0;                            ///< of the box's length against the road's direction, rad
   double length = 0.0, width = 0.0;            ///< of the box, m
+  double height = 0.0;                         ///< of the box over the road, m; 0: painted, or a part of the surface
   std::vector<std::array<double, 2>> outline;  ///< s and t of the corners; empty: the box
 };
 

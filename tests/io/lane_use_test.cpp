@@ -258,7 +258,7 @@ TEST(TurningPlaces, a_passing_place_is_as_wide_as_two_cars_need) {
 
 TEST(TagRules, tags_that_are_not_read_are_named) {
   const auto unread = io::unread_tags({{"highway", "residential"},
-                                       {"traffic_calming", "hump"},
+                                       {"traffic_calming", "hump;choker"},
                                        {"change:lanes", "yes|no"},
                                        {"cycleway:left", "track"},
                                        {"maxspeed", "50"},
@@ -268,10 +268,14 @@ TEST(TagRules, tags_that_are_not_read_are_named) {
   std::vector<std::string> tags;
   tags.reserve(unread.size());
   for (const io::UnreadTag& tag : unread) tags.push_back(tag.tag);
-  EXPECT_THAT(tags, testing::UnorderedElementsAre("traffic_calming=hump", "change:lanes=yes|no", "cycleway:left=track",
-                                                  "maxspeed:conditional=30 @ (22:00-06:00)"));
-  EXPECT_EQ(io::unread_tags({{"barrier", "gate"}}, io::TaggedObject::node).size(), 1u);
-  EXPECT_EQ(io::unread_tags({{"highway", "mini_roundabout"}}, io::TaggedObject::node).size(), 1u);
+  EXPECT_THAT(tags, testing::UnorderedElementsAre("traffic_calming=choker", "change:lanes=yes|no",
+                                                  "cycleway:left=track", "maxspeed:conditional=30 @ (22:00-06:00)"));
+  EXPECT_EQ(io::unread_tags({{"barrier", "kerb"}}, io::TaggedObject::node).size(), 1u);
+  for (const auto& [key, value] :
+       {std::pair{"barrier", "gate"}, {"highway", "mini_roundabout"}, {"traffic_calming", "table"}})
+    EXPECT_TRUE(io::unread_tags({{key, value}}, io::TaggedObject::node).empty()) << key;
+  for (const char* value : {"yes", "island", "chicane", "rumble_strip", "made_up"})
+    EXPECT_EQ(io::unread_tags({{"traffic_calming", value}}, io::TaggedObject::node).size(), 1u) << value;
   EXPECT_TRUE(io::unread_tags({{"highway", "turning_circle"}}, io::TaggedObject::node).empty());
 }
 

@@ -200,6 +200,31 @@ TEST(OsmTags, signs_and_crossings_of_nodes) {
   EXPECT_EQ(kinds({{"highway", "street_lamp"}, {"crossing", "no"}}), "");
 }
 
+TEST(OsmTags, what_is_built_at_nodes) {
+  const auto things = [](const io::OsmTags& tags) {
+    std::string text;
+    for (const NodeSign& s : io::node_signs(5, tags))
+      text += fmt::format("{}={} {}{} ", to_string(s.kind), s.value, s.size_m, s.closed ? " closed" : "");
+    return text;
+  };
+  EXPECT_EQ(things({{"highway", "mini_roundabout"}}), "mini_roundabout= 0 ");
+  EXPECT_EQ(things({{"highway", "mini_roundabout"}, {"direction", "clockwise"}, {"diameter", "14 m"}}),
+            "mini_roundabout=clockwise 14 ");
+  EXPECT_EQ(things({{"highway", "mini_roundabout"}, {"direction", "anti_clockwise"}}),
+            "mini_roundabout=anticlockwise 0 ");
+  EXPECT_EQ(things({{"traffic_calming", "hump;choker"}}), "traffic_calming=hump 0 ");
+  EXPECT_EQ(things({{"traffic_calming", "table"}, {"highway", "crossing"}}),
+            "plain_crossing= 0 traffic_calming=table 0 ");
+  EXPECT_EQ(things({{"barrier", "bollard"}}), "barrier=bollard 0 closed ");
+  EXPECT_EQ(things({{"barrier", "bollard"}, {"motor_vehicle", "yes"}}), "barrier=bollard 0 ");
+  EXPECT_EQ(things({{"barrier", "bollard"}, {"access", "yes"}, {"motorcar", "no"}}), "barrier=bollard 0 closed ");
+  EXPECT_EQ(things({{"barrier", "gate"}}), "barrier=gate 0 ");
+  EXPECT_EQ(things({{"barrier", "gate"}, {"locked", "yes"}}), "barrier=gate 0 closed ");
+  EXPECT_EQ(things({{"barrier", "lift_gate"}, {"access", "private"}}), "barrier=lift_gate 0 ");
+  EXPECT_EQ(things({{"barrier", "something"}, {"vehicle", "no"}}), "barrier=something 0 closed ");
+  EXPECT_EQ(things({{"barrier", "kerb"}}), "");
+}
+
 TEST(OsmRoads, signs_of_their_nodes_come_along_in_the_direction_of_the_path) {
   const Scratch scratch;
   OsmText osm;

@@ -57,7 +57,11 @@ RoadNetwork two_roads() {
   raw.speed_limit_kmh = 48.28032, raw.sidewalk = Sides::right, raw.shoulder = Sides::both, raw.surface = "asphalt";
   raw.known_surface = {SurfaceClass::setts, SurfaceSource::photo};  // not what the tag says: the columns count
   roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false}};
-  roads.signs = {{77, NodeSignKind::stop, -1}, {78, NodeSignKind::zebra, 0}};
+  roads.signs = {{77, NodeSignKind::stop, -1},
+                 {78, NodeSignKind::zebra, 0},
+                 {79, NodeSignKind::mini_roundabout, 0, "clockwise", 17.5},
+                 {80, NodeSignKind::barrier, 0, "gate", 0.0, true}};
+  raw.traffic_calming = "table";
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
                {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
   return roads;
@@ -73,7 +77,8 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
   ASSERT_EQ(a.signs.size(), b.signs.size());
   for (std::size_t i = 0; i < a.signs.size(); ++i) {
     const NodeSign &p = a.signs[i], &q = b.signs[i];
-    EXPECT_EQ(std::tie(p.osm_node, p.kind, p.direction), std::tie(q.osm_node, q.kind, q.direction));
+    EXPECT_EQ(std::tie(p.osm_node, p.kind, p.direction, p.value, p.size_m, p.closed),
+              std::tie(q.osm_node, q.kind, q.direction, q.value, q.size_m, q.closed));
   }
   ASSERT_EQ(a.paths.size(), b.paths.size());
   for (std::size_t i = 0; i < a.paths.size(); ++i) {
@@ -81,6 +86,7 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
     EXPECT_EQ(
         std::tie(p.osm_id, p.part, p.highway, p.name, p.layer, p.bridge, p.tunnel, p.oneway, p.lanes, p.roundabout),
         std::tie(q.osm_id, q.part, q.highway, q.name, q.layer, q.bridge, q.tunnel, q.oneway, q.lanes, q.roundabout));
+    EXPECT_EQ(p.traffic_calming, q.traffic_calming);
     EXPECT_EQ(std::tie(p.lanes_forward, p.lanes_backward, p.turn_forward, p.turn_backward, p.speed_limit_kmh,
                        p.sidewalk, p.shoulder, p.surface),
               std::tie(q.lanes_forward, q.lanes_backward, q.turn_forward, q.turn_backward, q.speed_limit_kmh,

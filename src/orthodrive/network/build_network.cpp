@@ -14,10 +14,13 @@
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/line/ease_arms.hpp"
 #include "orthodrive/network/line/leave_room.hpp"
+#include "orthodrive/network/line/raise_humps.hpp"
 #include "orthodrive/network/line/road_cuts.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
 #include "orthodrive/network/paint/gores.hpp"
+#include "orthodrive/network/paint/hindrances.hpp"
 #include "orthodrive/network/paint/lane_arrows.hpp"
+#include "orthodrive/network/paint/mini_roundabout_marks.hpp"
 #include "orthodrive/network/paint/narrow_sidewalks.hpp"
 #include "orthodrive/network/paint/race_kerbs.hpp"
 #include "orthodrive/network/paint/raise_sidewalks.hpp"
@@ -25,6 +28,7 @@
 #include "orthodrive/network/roads/road_parts.hpp"
 #include "orthodrive/network/topology/carriageways.hpp"
 #include "orthodrive/network/topology/crossing_nodes.hpp"
+#include "orthodrive/network/topology/mini_roundabouts.hpp"
 #include "orthodrive/network/topology/rings.hpp"
 #include "orthodrive/network/topology/roundabouts.hpp"
 
@@ -80,6 +84,18 @@ void report_many_roads(const std::vector<std::vector<JunctionEnd>>& ends, const 
   }
 }
 
+/// How well the chains follow their nodes, and what was found about them.
+void add_up(const ChainGeometries& geometry, NetworkResult& result) {
+  for (const ChainGeometry& chain : geometry) {
+    result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
+    result.max_elevation_error_m = std::max(result.max_elevation_error_m, chain.max_elevation_error_m);
+    result.eased_nodes += chain.eased_nodes;
+    result.chain_length_m += chain.length_m;
+    result.chain_elements += chain.plan.size() / (chain.closed ? 2 : 1);  // closed chains go round twice
+    result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
+  }
+}
+
 }  // namespace
 
 NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions& options, Monitor* monitor) {
@@ -89,6 +105,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   };
   progress(0.0);
   RoadNetwork roads = join_crossings(with_heights(input, result.findings), result.findings);
+  std::vector<MiniRoundaboutDisc> discs;
+  roads = lay_mini_roundabouts(std::move(roads), options.driving_side, discs, result.findings);
   roads = close_roundabouts(std::move(roads), result.findings);
   report_turned_roundabouts(roads, options.driving_side, result.findings);
   roads = assume_roundabouts(std::move(roads), options.driving_side, result.findings);
@@ -106,20 +124,14 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
       [&](std::size_t i) { geometry[ChainIndex(i)] = fit_chain(topology.chains[ChainIndex(i)], pieces, fit); },
       [&](auto& archive, std::size_t i) { archive(geometry[ChainIndex(i)]); },
       [&](std::size_t done) { progress(0.7 * static_cast<double>(done) / static_cast<double>(geometry.size())); });
-  for (const ChainGeometry& chain : geometry) {
-    result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
-    result.max_elevation_error_m = std::max(result.max_elevation_error_m, chain.max_elevation_error_m);
-    result.eased_nodes += chain.eased_nodes;
-    result.chain_length_m += chain.length_m;
-    result.chain_elements += chain.plan.size() / (chain.closed ? 2 : 1);  // closed chains go round twice
-    result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
-  }
+  add_up(geometry, result);
 
   const JunctionPlan junctions = plan_junctions(roads, topology, geometry);
   std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
   ease_arms(roads, topology, junctions, cuts, geometry);
   end_before_roads(roads, topology, junctions, geometry, cuts);
   leave_room_beside(roads, topology, junctions, cuts, geometry);
+  const std::vector<RaisedHump> humps = raise_humps(roads, topology, junctions, cuts, geometry, result.findings);
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = geo_reference(roads.crs, bounds_of_roads(roads));
@@ -130,12 +142,17 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   add_race_kerbs(result.map, options.weather);
   add_gores(plan, ends, result.map);
   if (options.junction_surfaces)
-    result.junction_surfaces = add_junction_surfaces(
-        result.map, parts.straight,
-        {.threads = options.threads, .exchange = options.exchange, .kerb_radius_m = parts.kerb_radius_m});
+    result.junction_surfaces = add_junction_surfaces(result.map, parts.straight,
+                                                     {.threads = options.threads,
+                                                      .exchange = options.exchange,
+                                                      .kerb_radius_m = parts.kerb_radius_m,
+                                                      .paved = paved_middles(discs, result.map)});
   add_crosswalks(plan, parts.straight, result.map);
   add_waiting_lines(plan, ends, result.map);
   add_lane_arrows(plan, ends, result.map);
+  add_mini_roundabout_marks(discs, result.map);
+  add_hump_objects(humps, result.map);
+  add_barriers(plan, result.map, result.findings);
   raise_sidewalks(result.map);
   report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);

@@ -51,11 +51,8 @@ class NodeNames {
       for (RoadNode& node : path.nodes) node.osm_node = of(node.osm_node);
     for (TurnRestriction& restriction : roads.restrictions) restriction.via_node = of(restriction.via_node);
     for (NodeSign& sign : roads.signs) sign.osm_node = of(sign.osm_node);
-    const auto order = [](const NodeSign& sign) { return std::pair(sign.osm_node, sign.kind); };
-    std::ranges::stable_sort(roads.signs, {}, order);
-    const auto same = [&](const NodeSign& a, const NodeSign& b) {
-      return order(a) == order(b) && a.direction == b.direction;
-    };
+    std::ranges::stable_sort(roads.signs, sign_before);
+    const auto same = [](const NodeSign& a, const NodeSign& b) { return !sign_before(a, b) && !sign_before(b, a); };
     roads.signs.erase(std::unique(roads.signs.begin(), roads.signs.end(), same), roads.signs.end());
   }
 

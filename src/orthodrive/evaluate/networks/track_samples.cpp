@@ -3,15 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+
+#include "orthodrive/model/roads/traffic_calming.hpp"
+
 namespace orthodrive::evaluate {
 namespace {
 
 constexpr double mirror_room_m = 0.4;  // a lane is wider than a track by this, at least
 constexpr double same_place_m = 0.02;  // ends of linked lanes: one sample is enough
 
-double speed_at(const LanePiece& piece, double curvature, const JudgeNetworkOptions& options) {
-  const double limit = piece.road->speed_limit_mps;
-  const double legal = limit > 0.0 ? limit : options.unlimited_speed_mps;
+double speed_at(const PathPoint& at, double curvature, const JudgeNetworkOptions& options) {
+  const double limit = at.piece->road->speed_limit_mps;
+  const double legal =
+      std::min(limit > 0.0 ? limit : options.unlimited_speed_mps, hump_speed_mps(*at.piece->road, at.s));
   return std::abs(curvature) < 1e-9 ? legal : std::min(legal, std::sqrt(options.lateral_mps2 / std::abs(curvature)));
 }
 
@@ -49,7 +53,7 @@ std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& qu
     if (!runs.back().empty() && moved < same_place_m && runs.back().back().at.piece != at.piece) continue;
     AxleSample axle{.at = at, .driven_m = driven, .heading_rad = place.heading_rad, .curvature = place.curvature};
     axle.width_m = place.width_m;
-    axle.speed_mps = speed_at(*at.piece, place.curvature, options);
+    axle.speed_mps = speed_at(at, place.curvature, options);
     axle.track_m = std::min(options.track_m, place.width_m - mirror_room_m);
     for (std::size_t wheel = 0; wheel < 2; ++wheel) {
       const double left = (wheel == 0 ? 0.5 : -0.5) * axle.track_m;

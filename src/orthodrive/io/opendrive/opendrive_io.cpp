@@ -314,7 +314,7 @@ void add_object(pugi::xml_node objects, const roadquery::RoadObject& object, con
   set_attribute(node, "zOffset", "0");
   if (object.hdg != 0.0) set_attribute(node, "hdg", radians(object.hdg));
   set_attribute(node, "orientation", "none");
-  set_attribute(node, "height", "0");
+  set_attribute(node, "height", centimetres(object.height));
   set_attribute(node, "length", centimetres(object.length));
   set_attribute(node, "width", centimetres(object.width));
   if (object.outline.empty()) return;

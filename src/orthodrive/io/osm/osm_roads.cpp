@@ -199,7 +199,7 @@ class NodePlaces {
     for (const Known& node : nodes_) result.insert(result.end(), node.signs.begin(), node.signs.end());
     for (NodeSign& sign : result)
       if (turned.contains(sign.osm_node)) sign.direction = -sign.direction;
-    std::ranges::stable_sort(result, {}, [](const NodeSign& sign) { return std::pair(sign.osm_node, sign.kind); });
+    std::ranges::stable_sort(result, sign_before);
     return result;
   }
   [[nodiscard]] std::vector<TurningPlace> turning_places() const {

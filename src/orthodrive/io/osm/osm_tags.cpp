@@ -8,6 +8,7 @@
 #include "orthodrive/io/osm/lane_use.hpp"
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
+#include "orthodrive/model/roads/traffic_calming.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -85,38 +86,14 @@ WayAttributes way_attributes(const OsmTags& tags) {
   read_lane_tags(tags, way);
   way.width_m = tagged_width_m(tags, path);
   path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
+  for (const std::string& value : calming_values(tag_value(tags, "traffic_calming")))
+    if (path.traffic_calming.empty() && hump_profile(value)) path.traffic_calming = value;
   const std::string width = tag_value(tags, "width"), lanes = tag_value(tags, "lanes");
   if (!width.empty() && way.width_m == 0.0) way.odd.push_back("width=" + width);
   if (!lanes.empty() && path.lanes == 0) way.odd.push_back("lanes=" + lanes);
   if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway) + cycle_lanes_m(path);
   for (const UnreadTag& tag : unread_tags(tags, TaggedObject::way)) way.unread.emplace_back(tag.tag, tag.reason);
   return way;
-}
-
-namespace {
-/// crossing:markings counts first: it says what is painted, the older values of crossing say it in part.
-NodeSignKind crossing_kind(const OsmTags& tags) {
-  const std::string crossing = tag_value(tags, "crossing"), markings = tag_value(tags, "crossing:markings");
-  if (crossing == "traffic_signals" || tag_value(tags, "crossing:signals") == "yes")
-    return NodeSignKind::signal_crossing;
-  if (!markings.empty()) return markings == "no" ? NodeSignKind::plain_crossing : NodeSignKind::zebra;
-  const bool marked = crossing == "zebra" || crossing == "marked" || crossing == "uncontrolled";
-  return marked || tag_value(tags, "crossing_ref") == "zebra" ? NodeSignKind::zebra : NodeSignKind::plain_crossing;
-}
-}  // namespace
-
-std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags) {
-  const std::string highway = tag_value(tags, "highway"), crossing = tag_value(tags, "crossing");
-  std::string towards = tag_value(tags, "direction");
-  if (highway == "traffic_signals" && !tag_value(tags, "traffic_signals:direction").empty())
-    towards = tag_value(tags, "traffic_signals:direction");
-  const int direction = towards == "forward" ? 1 : towards == "backward" ? -1 : 0;
-  std::vector<NodeSign> signs;
-  for (const NodeSignKind kind : {NodeSignKind::stop, NodeSignKind::give_way, NodeSignKind::traffic_signals})
-    if (highway == to_string(kind)) signs.push_back({osm_node, kind, direction});
-  if (highway == "crossing" || (!crossing.empty() && crossing != "no"))
-    signs.push_back({osm_node, crossing_kind(tags), 0});
-  return signs;
 }
 
 }  // namespace orthodrive::io

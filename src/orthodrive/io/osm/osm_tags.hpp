@@ -53,7 +53,8 @@ struct WayAttributes {
 void read_lane_tags(const OsmTags& tags, WayAttributes& way);
 
 /// What a node's tags say about who waits there and who walks across (highway=stop, give_way, traffic_signals,
-/// crossing; crossing, crossing:markings, crossing_ref; direction). https://wiki.openstreetmap.org/wiki/Key:crossing.
+/// crossing; crossing, crossing:markings, crossing_ref; direction; https://wiki.openstreetmap.org/wiki/Key:crossing),
+/// and what is built there: highway=mini_roundabout, humps of traffic_calming, barrier with the tags of access.
 [[nodiscard]] std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags);
 
 }  // namespace orthodrive::io

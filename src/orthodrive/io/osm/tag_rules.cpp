@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string_view>
+
+#include "orthodrive/model/roads/traffic_calming.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -84,6 +87,8 @@ constexpr std::array all_tag_rules{
     TagRule{on_road, "surface:*", is_taken, "Key:surface",
             "where surface does not tell; of a road that has several, the first"},
     TagRule{on_road, "tracktype", is_taken, "Key:tracktype", "where surface does not tell"},
+    TagRule{on_road, "traffic_calming", is_taken, "Key:traffic_calming",
+            "table: the whole way is one; other humps where the way is not much longer than one"},
     TagRule{on_road, "bridge", is_taken, "Key:bridge", "the road lies on a bridge"},
     TagRule{on_road, "tunnel", is_taken, "Key:tunnel", "the road lies in a tunnel"},
     TagRule{on_road, "layer", is_taken, "Key:layer", "order of roads that cross"},
@@ -106,7 +111,6 @@ constexpr std::array all_tag_rules{
     TagRule{on_road, "cycleway:*", left_out, "Key:cycleway",
             "how a cycle lane is painted or who it is for; its width is 1.5 m"},
     TagRule{on_road, "parking:*", left_out, "Street_parking", "strips for parking come from the width of the road"},
-    TagRule{on_road, "traffic_calming", left_out, "Key:traffic_calming", "heights and narrowings are not built"},
     TagRule{on_road, "embedded_rails*", left_out, "Key:embedded_rails", "rails in the road are not built"},
     TagRule{on_road, "passing_places", left_out, "Key:passing_places",
             "where they lie is not told; nodes with highway=passing_place are built"},
@@ -122,17 +126,28 @@ constexpr std::array all_tag_rules{
     TagRule{on_node, "highway=traffic_signals", is_taken, "Tag:highway=traffic_signals", "likewise"},
     TagRule{on_node, "highway=crossing", is_taken, "Tag:highway=crossing", "what is painted"},
     TagRule{on_node, "crossing*", is_taken, "Key:crossing", "likewise"},
-    TagRule{on_node, "highway=mini_roundabout", left_out, "Tag:highway=mini_roundabout",
-            "the junction is built without its ring"},
-    TagRule{on_node, "traffic_calming", left_out, "Key:traffic_calming", "heights and narrowings are not built"},
-    TagRule{on_node, "barrier", left_out, "Key:barrier", "the road leads on through it"},
-    TagRule{on_node, "kerb", left_out, "Key:kerb", "kerbs at crossings follow the sidewalks"},
+    TagRule{on_node, "highway=mini_roundabout", is_taken, "Tag:highway=mini_roundabout",
+            "a ring on a paved disc, 16 m wide unless diameter or width tells"},
+    TagRule{on_node, "traffic_calming", is_taken, "Key:traffic_calming",
+            "hump, bump, table, cushion, mini_bumps: heights of the road"},
+    TagRule{on_node, "barrier", is_taken, "Key:barrier",
+            "an object across the road; what keeps cars out is told (access, locked)"},
+    TagRule{on_node, "barrier=kerb", left_out, "Tag:barrier=kerb", "a kerb across the road is not built"},
+    TagRule{on_node, "kerb", left_out, "Key:kerb", "is of the walk that crosses; kerbs of roads follow the sidewalks"},
     TagRule{on_node, "ford", left_out, "Key:ford", "the road goes through the water on the terrain"},
     TagRule{on_node, "maxspeed", left_out, "Key:maxspeed", "the limit of the way counts"}};
 
 bool fits_tag(std::string_view key, const std::string& tag_key, const std::string& tag) {
   if (key.ends_with('*')) return tag_key.starts_with(key.substr(0, key.size() - 1));
   return key.find('=') == key.npos ? key == tag_key : key == tag;
+}
+
+/// Of a value of traffic_calming that is no hump.
+std::string_view why_no_hump(std::string_view value) {
+  if (value == "yes") return "which kind is not told";
+  for (const std::string_view flat : {"rumble_strip", "dynamic_bump", "painted_table", "painted_island"})
+    if (value == flat) return "has no height that is known";
+  return "narrowings and islands are not built";
 }
 }  // namespace
 
@@ -148,6 +163,8 @@ std::vector<UnreadTag> unread_tags(const OsmTags& tags, TaggedObject on) {
       if (rule.on == on && fits_tag(rule.key, key, tag) && (!best || rule.key.size() > best->key.size())) best = &rule;
     if (best && !best->is_read) found.push_back({tag, best->meaning});
   }
+  for (const std::string& value : calming_values(tag_value(tags, "traffic_calming")))
+    if (!hump_profile(value)) found.push_back({fmt::format("traffic_calming={}", value), why_no_hump(value)});
   // Values of keys that are read, for lanes beyond the kerb or shared ones.
   const auto beyond = [&](const std::string& key) {
     const auto at = tags.find(key);

@@ -25,12 +25,13 @@ struct TagRule {
 /// Of roads first, then of nodes.
 [[nodiscard]] std::span<const TagRule> tag_rules();
 
-/// "traffic_calming=hump", and why it is not read.
+/// "traffic_calming=chicane", and why it is not read.
 struct UnreadTag {
   std::string tag;
   std::string_view reason;
 };
-/// Tags that the table lists as not read and that say something: not "no" or "none". Keys that the table does not know
+/// Tags that the table lists as not read and that say something: not "no" or "none"; values of traffic_calming that are
+/// no humps. Keys that the table does not know
 /// do not bear on the geometry of roads.
 [[nodiscard]] std::vector<UnreadTag> unread_tags(const OsmTags& tags, TaggedObject on);
 

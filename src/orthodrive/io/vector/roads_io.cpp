@@ -41,13 +41,15 @@ constexpr Field use_fields[] = {{"lanes_both_ways", OFTInteger},     {"use_forwa
                                 {"speeds_backward", OFTString},      {"placement_start", OFTReal},
                                 {"placement_end", OFTReal},          {"placement_backward", OFTInteger},
                                 {"placement_transition", OFTInteger}};
-// Nor this.
-constexpr Field speed_context_field{"speed_context", OFTString};
+// Nor these.
+constexpr Field text_fields[] = {{"speed_context", OFTString}, {"traffic_calming", OFTString}};
 // Not in files of older versions either: then the tags that are in them tell.
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
     {"from_way", OFTInteger64}, {"via_node", OFTInteger64}, {"to_way", OFTInteger64}, {"only", OFTInteger}};
-constexpr Field sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger}};
+constexpr Field sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger},
+                                 {"value", OFTString},       {"size_m", OFTReal}, {"closed", OFTInteger}};
+constexpr Field old_sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger}};
 constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"part", OFTInteger},
                                  {"osm_node", OFTInteger64},
@@ -107,7 +109,7 @@ class RoadsWriter {
     for (const Field& field : later_node_fields) create_field(nodes_, field.name, field.type);
     for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
     for (const Field& field : use_fields) create_field(centrelines_, field.name, field.type);
-    create_field(centrelines_, speed_context_field.name, speed_context_field.type);
+    for (const Field& field : text_fields) create_field(centrelines_, field.name, field.type);
     for (const Field& field : class_fields) create_field(centrelines_, field.name, field.type);
   }
 
@@ -147,6 +149,7 @@ class RoadsWriter {
     add_feature(centrelines_, row, file_, errors_);
   }
   static void set_uses(OGRFeature& row, const RoadPath& path) {
+    row.SetField("traffic_calming", path.traffic_calming.c_str());
     row.SetField("lanes_both_ways", path.lanes_both_ways);
     row.SetField("use_forward", path.use_forward.c_str());
     row.SetField("use_backward", path.use_backward.c_str());
@@ -256,6 +259,9 @@ void write_signs(GDALDataset& dataset, const std::vector<NodeSign>& signs, const
     row.SetField("osm_node", static_cast<GIntBig>(sign.osm_node));
     row.SetField("kind", to_string(sign.kind));
     row.SetField("direction", sign.direction);
+    row.SetField("value", sign.value.c_str());
+    row.SetField("size_m", sign.size_m);
+    row.SetField("closed", sign.closed ? 1 : 0);
     add_feature(layer, row, file, errors);
   }
 }
@@ -377,8 +383,9 @@ RoadPath path_of(const OGRFeature& row) {
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
   read_lane_fields(row, path);
   read_use_fields(row, path);
-  if (const int field = row.GetFieldIndex(speed_context_field.name); field >= 0)
-    path.speed_context = row.GetFieldAsString(field);
+  for (const auto& [name, text] :
+       {std::pair{"speed_context", &path.speed_context}, {"traffic_calming", &path.traffic_calming}})
+    if (const int field = row.GetFieldIndex(name); field >= 0) *text = row.GetFieldAsString(field);
   path.known_surface = known_surface_of(row, path);
   return path;
 }
@@ -445,11 +452,16 @@ RoadNetwork read_roads(const fs::path& path) {
                                     row->GetFieldAsInteger64("to_way"), row->GetFieldAsInteger("only") != 0});
   }
   if (OGRLayer* signs = dataset->GetLayerByName("signs")) {
-    need_fields(path, *signs, sign_fields);
+    need_fields(path, *signs, old_sign_fields);  // files of older versions have no more
+    const bool is_old = signs->GetLayerDefn()->GetFieldIndex("value") < 0;
     for (const auto& row : *signs) {
       const auto kind = node_sign_kind_of(row->GetFieldAsString("kind"));
       if (!kind) throw InputError(path.string(), fmt::format("has a sign '{}'", row->GetFieldAsString("kind")));
-      roads.signs.push_back({row->GetFieldAsInteger64("osm_node"), *kind, row->GetFieldAsInteger("direction")});
+      NodeSign& sign = roads.signs.emplace_back(
+          NodeSign{row->GetFieldAsInteger64("osm_node"), *kind, row->GetFieldAsInteger("direction")});
+      if (is_old) continue;
+      sign.value = row->GetFieldAsString("value"), sign.size_m = row->GetFieldAsDouble("size_m");
+      sign.closed = row->GetFieldAsInteger("closed") != 0;
     }
   }
   if (errors.any())

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 namespace orthodrive {
@@ -87,9 +88,14 @@ int shared_lanes(const RoadPath& path) {
 }
 
 namespace {
-constexpr std::string_view sign_names[] = {"stop",  "give_way",        "traffic_signals",
-                                           "zebra", "signal_crossing", "plain_crossing"};
+constexpr std::string_view sign_names[] = {
+    "stop",           "give_way",        "traffic_signals", "zebra",  "signal_crossing",
+    "plain_crossing", "mini_roundabout", "traffic_calming", "barrier"};
 }  // namespace
+
+bool sign_before(const NodeSign& a, const NodeSign& b) {
+  return std::tie(a.osm_node, a.kind, a.value, a.direction) < std::tie(b.osm_node, b.kind, b.value, b.direction);
+}
 
 const char* to_string(NodeSignKind kind) { return sign_names[static_cast<std::size_t>(kind)].data(); }
 

@@ -103,6 +103,7 @@ struct RoadPath {
   /// the law; empty: speed_limit_kmh.
   std::string speeds_forward, speeds_backward;
   Sides sidewalk = Sides::none, shoulder = Sides::none;
+  std::string traffic_calming;  ///< humps that the whole way is, as OSM has it (traffic_calming.hpp); empty: none
   std::string surface;          ///< as OSM has it; empty: not tagged
   KnownSurface known_surface;   ///< its class, and where that comes from
   std::vector<RoadNode> nodes;  ///< at least two; first == last position (and osm_node) for closed ways
@@ -114,15 +115,21 @@ struct TurnRestriction {
   bool only = false;
 };
 
-/// What the tags of a node on a road say: who waits there, who walks across.
+/// What the tags of a node on a road say: who waits there, who walks across, what is built there.
 enum class NodeSignKind : std::int8_t {
   stop,
   give_way,
   traffic_signals,
   zebra,            ///< a crossing with its own marking
   signal_crossing,  ///< a crossing with traffic lights
-  plain_crossing    ///< without a marking, or none told
+  plain_crossing,   ///< without a marking, or none told
+  mini_roundabout,  ///< value: "clockwise", "anticlockwise" or nothing; size_m: of the paved disc
+  traffic_calming,  ///< value: OSM's
+  barrier           ///< value: OSM's; size_m: of the way through
 };
+[[nodiscard]] constexpr bool is_crossing(NodeSignKind kind) {
+  return kind >= NodeSignKind::zebra && kind <= NodeSignKind::plain_crossing;
+}
 /// As the column `kind` of roads.gpkg has it.
 [[nodiscard]] const char* to_string(NodeSignKind kind);
 [[nodiscard]] std::optional<NodeSignKind> node_sign_kind_of(std::string_view text);
@@ -130,14 +137,19 @@ enum class NodeSignKind : std::int8_t {
 struct NodeSign {
   std::int64_t osm_node = 0;
   NodeSignKind kind = NodeSignKind::stop;
-  int direction = 0;  ///< 1: for who drives along the path, -1: against it, 0: not told
+  int direction = 0;    ///< 1: for who drives along the path, -1: against it, 0: not told
+  std::string value;    ///< which one of its kind; empty: not told
+  double size_m = 0.0;  ///< 0: not told
+  bool closed = false;  ///< a barrier that no car may pass
 };
+/// As a network holds them: by node, then kind, then what tells equal kinds apart.
+[[nodiscard]] bool sign_before(const NodeSign& a, const NodeSign& b);
 
 struct RoadNetwork {
   Crs crs;
   std::vector<RoadPath> paths;
   std::vector<TurnRestriction> restrictions;
-  std::vector<NodeSign> signs;  ///< sorted by node, then kind
+  std::vector<NodeSign> signs;  ///< sorted by sign_before
 };
 
 /// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.

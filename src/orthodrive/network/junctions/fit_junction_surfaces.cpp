@@ -306,7 +306,8 @@ void predict_the_rest(JunctionSurface& surface, const std::vector<char>& needed)
     }
 }
 
-JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std::optional<double> seen_radius_m) {
+JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std::optional<double> seen_radius_m,
+                         const Polygon* paved) {
   JunctionGround ground;
   if (members.connecting.empty()) return ground;
   ground.origin = origin_of(map.roads[members.connecting.front()]);
@@ -314,8 +315,12 @@ JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std
   classes.reserve(members.arms.size());
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
   for (const std::size_t i : members.inner) classes.push_back(map.roads[i].highway);
-  const MultiPolygon area =
-      junction_area(roads_of(map, members), seen_radius_m.value_or(kerb_radius_m(classes)), ground.origin);
+  JunctionRoads roads = roads_of(map, members);
+  if (paved) {
+    roads.paved.push_back(*paved);
+    for (Vec2& p : roads.paved.back().outer) p = p - ground.origin;
+  }
+  const MultiPolygon area = junction_area(roads, seen_radius_m.value_or(kerb_radius_m(classes)), ground.origin);
   ground.boundary = woven_ring(area);
   if (ground.boundary.size() < 3) return {};
   for (const Polygon& part : area) ground.area_m2 += area_m2(part);
@@ -494,8 +499,10 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
   std::vector<JunctionGround> grounds(members.size());
   const auto find_ground = [&](std::size_t j) {
     const auto seen = options.kerb_radius_m.find(map.junctions[j].id);
+    const auto paved = options.paved.find(map.junctions[j].id);
     grounds[j] =
-        ground_of(map, members[j], seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second));
+        ground_of(map, members[j], seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second),
+                  paved == options.paved.end() ? nullptr : &paved->second);
   };
   shared_for(options.exchange, "grounds", members.size(), options.threads, find_ground,
              [&](auto& archive, std::size_t j) { archive(grounds[j]); });

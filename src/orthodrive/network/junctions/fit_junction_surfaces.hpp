@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/shared_loop.hpp"
+#include "orthodrive/geo/polygon.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive::network {
@@ -15,6 +16,7 @@ struct JunctionSurfaceOptions {
   int threads = 0;                      ///< 0 = all cores; the result does not depend on it
   LoopExchange* exchange = nullptr;     ///< with other processes that build the same network; nor on it
   std::map<int, double> kerb_radius_m;  ///< by junction, where it was seen; else by class
+  std::map<int, Polygon> paved;         ///< by junction, what is paved besides its roads; coordinates of the map
 };
 
 struct JunctionSurfaceSummary {

@@ -161,6 +161,16 @@ MultiPolygon closed_gaps(const JunctionRoads& roads, const MultiPolygon& area, V
   return difference_of(gaps, buffer_of(others, join_m, 1), grid_m);
 }
 
+/// What is paved besides, as far as it is no other road's.
+MultiPolygon paved_besides(const JunctionRoads& roads, Vec2 origin) {
+  std::vector<Polygon> taken = arm_pieces(roads, origin, true);
+  for (const Polygon& part : roads.paved)
+    for (Polygon& piece : pieces_of(roads.others, origin, true, bounds_of(part.outer).grown(other_width_m)))
+      taken.push_back(std::move(piece));
+  const MultiPolygon besides = without(roads.paved, taken);
+  return buffer_of(buffer_of(besides, -sliver_m, tip_arc_steps), sliver_m, tip_arc_steps);
+}
+
 struct Bridge {
   std::size_t from = 0, to = 0;
   double length_m = INFINITY;
@@ -195,6 +205,8 @@ MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec
   if (connecting.empty()) return {};
   MultiPolygon area = filled_corners(roads, connecting, kerb_radius_m, origin);
   area.insert(area.end(), connecting.begin(), connecting.end());
+  if (!roads.paved.empty())
+    for (Polygon& part : paved_besides(roads, origin)) area.push_back(std::move(part));
   area = buffer_of(area, area_overlap_m, 2);
   if (const MultiPolygon gaps = closed_gaps(roads, area, origin); !gaps.empty()) {
     area.insert(area.end(), gaps.begin(), gaps.end());

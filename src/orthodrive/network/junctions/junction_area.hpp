@@ -21,6 +21,7 @@ struct JunctionRoads {
   std::vector<bool> at_end;
   /// Others that the area must not cover: nearby on the same level, their connecting roads too.
   std::vector<const roadquery::Road*> others;
+  std::vector<Polygon> paved = {};  ///< what is paved besides, where no arm and no other road lies; relative to origin
 };
 
 /// Radius of the kerb at the corners: by the class of the third arm from the top, the side road of a T or a crossing.
@@ -31,8 +32,8 @@ struct JunctionRoads {
 
 /// Union of the carriageways of the connecting roads, closed by a disc of the kerb radius together with the arms
 /// (dilated by it, then eroded by it): corners get an arc of that radius, gores and gaps narrower than its diameter are
-/// filled. Less the arms and the other roads, and at least the connecting roads. Overlaps the arms' ends by 1 cm.
-/// Counter-clockwise outer rings, relative to `origin`; empty without connecting roads.
+/// filled; with what is paved besides. Less the arms and the other roads, and at least the connecting roads. Overlaps
+/// the arms' ends by 1 cm. Counter-clockwise outer rings, relative to `origin`; empty without connecting roads.
 [[nodiscard]] MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec2 origin);
 
 /// One ring for a whole set: runs from ring to ring and back along the same line, so that a place lies inside by the

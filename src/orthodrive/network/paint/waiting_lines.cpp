@@ -31,7 +31,10 @@ class Signs {
  public:
   explicit Signs(const NetworkPlan& plan) : plan_(plan) {
     for (const NodeSign& sign : plan.roads.signs)
-      if (sign.kind <= NodeSignKind::traffic_signals) at_node_[sign.osm_node].push_back(sign);
+      if (sign.kind <= NodeSignKind::traffic_signals)
+        at_node_[sign.osm_node].push_back(sign);
+      else if (sign.kind == NodeSignKind::mini_roundabout)
+        mini_roundabouts_.insert(sign.osm_node);
     for (const VertexIndex v : plan.topology.vertices.indices())
       if (plan.junctions.junction_of_vertex[v] >= 0) junctions_.insert(plan.topology.vertices[v].osm_node);
   }
@@ -62,6 +65,9 @@ class Signs {
     return found;
   }
 
+  /// A mini-roundabout that had no room for its ring: all give way.
+  [[nodiscard]] bool is_mini_roundabout(std::int64_t vertex) const { return mini_roundabouts_.contains(vertex); }
+
  private:
   [[nodiscard]] const NodeSign* lights_at(std::int64_t node) const {
     const auto signs = at_node_.find(node);
@@ -72,7 +78,7 @@ class Signs {
 
   const NetworkPlan& plan_;
   std::map<std::int64_t, std::vector<NodeSign>> at_node_;
-  std::set<std::int64_t> junctions_;
+  std::set<std::int64_t> junctions_, mini_roundabouts_;
 };
 
 double heading_into(const Road& road, bool at_end) {
@@ -164,6 +170,9 @@ void add_waiting_lines(const NetworkPlan& plan, const std::vector<std::vector<Ju
   for (const std::vector<JunctionEnd>& junction : ends) {
     int highest = -1;
     for (const JunctionEnd& end : junction) highest = std::max(highest, rank_of(plan, end));
+    const bool all_give_way = std::ranges::any_of(junction, [&](const JunctionEnd& end) {
+      return signs.is_mini_roundabout(plan.topology.vertices[end.vertex].osm_node);
+    });
     for (const JunctionEnd& end : junction) {
       Road& road = map.roads[static_cast<std::size_t>(end.road)];
       const roadquery::RoadLink& link = end.at_end ? road.successor : road.predecessor;
@@ -174,7 +183,7 @@ void add_waiting_lines(const NetworkPlan& plan, const std::vector<std::vector<Ju
       const NodeSign* sign = signs.find(plan.roads.paths[end.path], vertex.osm_node, end.at_end);
       if (sign)
         add_line(road, end.at_end, sign->kind == NodeSignKind::give_way ? give_way_line : stop_line);
-      else if (must_give_way(plan, junction, end, highest, map))
+      else if (all_give_way || must_give_way(plan, junction, end, highest, map))
         add_line(road, end.at_end, give_way_line);
     }
   }

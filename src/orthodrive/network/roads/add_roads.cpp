@@ -114,7 +114,8 @@ void report_reduced_lanes(const NetworkPlan& plan, const Draft& draft, Findings&
   const RoadPath& path = path_of(plan, draft);
   const Vec2 p = path.nodes[path.nodes.size() / 2].p;
   std::vector<double> given;  // who reads it knows the width of the map or the photo, not that of the lanes
-  for (const RoadNode& node : plan.given.paths[draft.path].nodes) given.push_back(node.width_m);
+  const bool is_given = draft.path < plan.given.paths.size();  // else a part of a way, or the ring of a mini-roundabout
+  for (const RoadNode& node : (is_given ? plan.given.paths[draft.path] : path).nodes) given.push_back(node.width_m);
   findings.push_back({Severity::warning, "network.too_many_lanes",
                       fmt::format("way {}: {} lanes do not fit in {:.1f} m, took {}", path.osm_id,
                                   std::max(path.lanes, path.lanes_forward + path.lanes_backward + path.lanes_both_ways),

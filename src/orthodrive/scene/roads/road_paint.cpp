@@ -212,6 +212,17 @@ void add_crosswalk(const Road& road, const RoadObject& object, std::vector<Marki
     add_strokes(road, {s, s + line_m, e.t0, e.t1}, line_stroke_m, line_gap_m, to);
 }
 
+/// A disc about the box's middle.
+void add_disc(const Road& road, const RoadObject& object, std::vector<MarkingPiece>& to) {
+  constexpr int pieces = 12;
+  const Vec2 middle = place(road, object.s, object.t);
+  const auto on_edge = [&](int half_steps) {
+    const double angle = half_steps * M_PI / pieces;
+    return middle + Vec2{std::cos(angle), std::sin(angle)} * (0.5 * object.length);
+  };
+  for (int i = 0; i < pieces; ++i) to.push_back({middle, on_edge(2 * i), on_edge(2 * i + 1), on_edge(2 * i + 2)});
+}
+
 }  // namespace
 
 std::vector<MarkingPiece> road_paint(const Road& road) {
@@ -229,6 +240,8 @@ std::vector<MarkingPiece> road_paint(const Road& road) {
       Hatching(road, pieces).add(object.outline);
     else if (object.subtype.starts_with("arrow") && !object.subtype.starts_with("arrowMerge"))
       add_arrow(road, object, pieces);
+    else if (object.subtype == "paint" && object.name == "mini-roundabout")
+      add_disc(road, object, pieces);
   }
   return pieces;
 }
