@@ -177,7 +177,7 @@ class Builder {
   }
   static bool is_known_object(const Attributes& a) {
     const std::string type = a.text("type");
-    return type == "crosswalk" || type == "roadMark";
+    return type == "crosswalk" || type == "roadMark" || (type == "patch" && a.text("subtype") == "speedHump");
   }
 
   static bool is_known_data(std::string_view parent, std::string_view code) {

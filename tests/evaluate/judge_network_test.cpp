@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 
+#include "orthodrive/model/roads/traffic_calming.hpp"
 #include "roadquery/make_road.hpp"
 
 namespace orthodrive {
@@ -112,6 +113,26 @@ TEST(JudgeNetwork, a_hump_is_judged_by_the_legal_speed) {
   EXPECT_NEAR(slow.worst[static_cast<std::size_t>(FaultKind::vertical_acceleration)], 1.93, 0.02);
   road.speed_limit_mps = 130.0 * kmh;
   EXPECT_GT(places(judge_network({.roads = {road}}), FaultKind::vertical_acceleration), 0u);
+}
+
+TEST(JudgeNetwork, a_hump_that_is_meant_is_driven_at_its_own_speed) {
+  Road road = straight_road(1, 0.0);
+  road.speed_limit_mps = 100.0 * kmh;
+  const HumpProfile& hump = *hump_profile("hump");
+  const double c = 3.0 * hump.height_m / (hump.ramp_m * hump.ramp_m), d = 2.0 * c / (3.0 * hump.ramp_m);
+  road.elevation.push_back({.s = 40.0, .a = 10.0, .c = c, .d = -d});
+  road.elevation.push_back({.s = 40.0 + hump.ramp_m, .a = 10.0 + hump.height_m, .c = -c, .d = d});
+  road.elevation.push_back({.s = 40.0 + 2.0 * hump.ramp_m, .a = 10.0});
+  EXPECT_GT(places(judge_network({.roads = {road}}), FaultKind::vertical_acceleration), 0u) << "nothing says so";
+  road.objects.push_back({.type = hump_object,
+                          .subtype = hump_subtype,
+                          .name = "hump",
+                          .s = 40.0 + hump.ramp_m,
+                          .length = hump.length_m(),
+                          .width = 7.0});
+  EXPECT_TRUE(judge_network({.roads = {road}}).pass());
+  road.objects.back().s = 70.0;
+  EXPECT_GT(places(judge_network({.roads = {road}}), FaultKind::vertical_acceleration), 0u) << "another one's";
 }
 
 TEST(JudgeNetwork, a_hole_between_linked_roads) {

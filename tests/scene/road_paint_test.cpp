@@ -117,6 +117,21 @@ TEST(RoadPaint, arrows_fill_their_box_and_point_the_right_way) {
   EXPECT_NEAR(all.max_y - all.min_y, 1.2, 1e-9);
 }
 
+TEST(RoadPaint, the_middle_of_a_mini_roundabout_is_a_disc) {
+  const roadquery::RoadObject mark{.type = "roadMark",
+                                   .subtype = "paint",
+                                   .name = "mini-roundabout",
+                                   .s = 50.0,
+                                   .t = 1.0,
+                                   .length = 4.0,
+                                   .width = 4.0};
+  const auto pieces = road_paint(road_with(mark));
+  EXPECT_NEAR(summed_m2(pieces), std::numbers::pi * 4.0, 0.2);
+  const Box2 box = bounds_of(pieces);
+  EXPECT_NEAR(box.min_x, 48.0, 0.05);
+  EXPECT_NEAR(box.max_y, 3.0, 0.05);
+}
+
 TEST(RoadPaint, boxes_without_size_and_absurd_ones_are_passed_over) {
   roadquery::RoadObject line{.type = "roadMark", .subtype = "signalLines"};
   line.s = 50.0;

@@ -17,6 +17,7 @@
 #include "orthodrive/refine/kerb_radius.hpp"
 #include "orthodrive/refine/photo_surface.hpp"
 #include "orthodrive/roads/dense_nodes.hpp"
+#include "orthodrive/roads/sign_nodes.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -33,7 +34,7 @@ void check_files(const RefineFiles& files, RefineMethod method) {
 /// No method changes what the map tells of turns and of nodes.
 void keep_rules(const RoadNetwork& osm, RoadNetwork& refined) {
   refined.restrictions = osm.restrictions;
-  refined.signs = osm.signs;
+  keep_signs(osm, refined);
 }
 
 RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
