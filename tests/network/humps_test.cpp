@@ -180,5 +180,14 @@ TEST(Barriers, stand_across_the_road_and_what_closes_it_is_told) {
   EXPECT_EQ(objects_of(result.map, "barrier")[0]->height, 0.0) << "cars drive over it";
 }
 
+TEST(Barriers, at_a_dead_end_beside_another_road) {
+  RoadNetwork roads = sloping_road({thing(8, NodeSignKind::barrier, "gate")});
+  const auto height = [](Vec2 p) { return 50.0 + 0.03 * p.x; };
+  roads.paths.push_back(make_path({{80, 3}, {80, 30}}, {8, 9}, {.osm_id = 2, .highway = "service", .height = height}));
+  const NetworkResult result = build_network(roads);
+  EXPECT_EQ(objects_of(result.map, "barrier").size(), 1u);
+  EXPECT_FALSE(finds(result, "network.barrier_left_out"));
+}
+
 }  // namespace
 }  // namespace orthodrive

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/model/roads/road_barriers.hpp"
@@ -27,6 +28,29 @@ roadquery::RoadObject object_across(const Road& road, const RoadFoot& foot, doub
   return {.s = foot.s,
           .t = 0.5 * (edges.left_t + edges.right_t),
           .width = width_m > 0.0 ? std::min(width_m, across_m) : across_m};
+}
+
+/// Where a node of a path lies on a road, else on a connecting road. Roads end before junctions, and dead ends before
+/// other roads: then the nearest place of the way that has a road, within a few metres.
+std::optional<RoadFoot> foot_of_node(const LineFinder& finder, const RoadPath& path, std::size_t node) {
+  constexpr double reach_m = 6.0;
+  for (const bool on_road : {true, false}) {
+    const auto accept = [&](const Road& road) {
+      return road.layer == path.layer && !road.sections.empty() && (road.junction < 0) == on_road;
+    };
+    for (std::size_t step = 0; step < path.nodes.size(); ++step) {
+      bool near = false;
+      for (const bool before : {false, true}) {
+        if (before ? step > node : node + step >= path.nodes.size()) continue;
+        const std::size_t at = before ? node - step : node + step;
+        if (distance(path.nodes[at].p, path.nodes[node].p) > reach_m) continue;
+        near = true;
+        if (auto foot = finder.find(path.nodes[at].p, direction_at(path, at), accept)) return foot;
+      }
+      if (!near) break;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -60,13 +84,7 @@ void add_barriers(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
       const NodeSign sign = found->second;
       barriers.erase(found);
       const RoadBarrier& barrier = road_barrier(sign.value);
-      const auto find = [&](bool on_road) {
-        return finder.find(node.p, direction_at(path, i), [&](const Road& road) {
-          return road.layer == path.layer && !road.sections.empty() && (road.junction < 0) == on_road;
-        });
-      };
-      auto foot = find(true);
-      if (!foot) foot = find(false);
+      const auto foot = foot_of_node(finder, path, i);
       const auto tell = [&](Severity severity, const char* code, const char* what) {
         findings.push_back(
             {severity, code,

@@ -16,8 +16,8 @@ namespace orthodrive::network {
 void add_hump_objects(std::span<const RaisedHump> humps, roadquery::RoadMap& map);
 
 /// Barriers that OSM has on nodes of roads, as objects across their road (road_barriers.hpp); inside a junction across
-/// the connecting road that follows the way best. Findings: network.barrier_in_the_way (cars may not pass),
-/// network.barrier_left_out (no road runs under it).
+/// the connecting road that follows the way best; up to 6 m along the way where its road ends before. Findings:
+/// network.barrier_in_the_way (cars may not pass), network.barrier_left_out (no road runs under it).
 void add_barriers(const NetworkPlan& plan, roadquery::RoadMap& map, Findings& findings);
 
 }  // namespace orthodrive::network
