@@ -294,9 +294,19 @@ std::string page_of_rules() {
       text += fmt::format("\n## {}, {}\n\n| key | wiki | {} |\n|---|---|---|\n",
                           on == io::TaggedObject::way ? "Roads" : "Nodes on roads", is_read ? "read" : "not read",
                           is_read ? "what is made of it" : "why not");
-      for (const io::TagRule& rule : io::tag_rules())
-        if (rule.is_read == is_read && rule.on == on)
-          text += fmt::format("| `{}` | {} | {} |\n", rule.key, rule.page, rule.meaning);
+      std::string keys;  // keys in a row that mean the same share a line
+      const io::TagRule* before = nullptr;
+      const auto end_line = [&] {
+        if (before) text += fmt::format("| {} | {} | {} |\n", keys, before->page, before->meaning);
+      };
+      for (const io::TagRule& rule : io::tag_rules()) {
+        if (rule.is_read != is_read || rule.on != on) continue;
+        const bool is_same = before && before->page == rule.page && before->meaning == rule.meaning;
+        if (!is_same) end_line();
+        keys = is_same ? fmt::format("{}, `{}`", keys, rule.key) : fmt::format("`{}`", rule.key);
+        before = &rule;
+      }
+      end_line();
     }
   return text;
 }

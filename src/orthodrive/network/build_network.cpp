@@ -96,6 +96,20 @@ void add_up(const ChainGeometries& geometry, NetworkResult& result) {
   }
 }
 
+/// The roads as they are built: what the map lacks or has twice is mended, every road has heights, room and a limit.
+RoadNetwork prepared_roads(const RoadNetwork& input, const BuildNetworkOptions& options,
+                           std::vector<MiniRoundaboutDisc>& discs, Findings& findings) {
+  RoadNetwork roads = join_crossings(with_heights(input, findings), findings);
+  roads = lay_mini_roundabouts(std::move(roads), options.driving_side, discs, findings);
+  roads = close_roundabouts(std::move(roads), findings);
+  report_turned_roundabouts(roads, options.driving_side, findings);
+  roads = assume_roundabouts(std::move(roads), options.driving_side, findings);
+  if (!has_oneway_tags(input)) roads = assume_carriageways(std::move(roads), options.driving_side, findings);
+  roads = with_lane_room(std::move(roads), findings);
+  settle_speeds(options.speed_laws, roads, findings);
+  return roads;
+}
+
 }  // namespace
 
 NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions& options, Monitor* monitor) {
@@ -104,15 +118,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  RoadNetwork roads = join_crossings(with_heights(input, result.findings), result.findings);
   std::vector<MiniRoundaboutDisc> discs;
-  roads = lay_mini_roundabouts(std::move(roads), options.driving_side, discs, result.findings);
-  roads = close_roundabouts(std::move(roads), result.findings);
-  report_turned_roundabouts(roads, options.driving_side, result.findings);
-  roads = assume_roundabouts(std::move(roads), options.driving_side, result.findings);
-  if (!has_oneway_tags(input)) roads = assume_carriageways(std::move(roads), options.driving_side, result.findings);
-  roads = with_lane_room(std::move(roads), result.findings);
-  settle_speeds(options.speed_laws, roads, result.findings);
+  RoadNetwork roads = prepared_roads(input, options, discs, result.findings);
   Topology topology = build_topology(roads, options.driving_side, result.findings);
   smooth_rings(topology.ring_of_piece, roads, topology);
   const PieceLines pieces = join_pieces(roads, topology, result.findings);
