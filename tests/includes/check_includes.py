@@ -43,7 +43,7 @@ APP_HEADERS = {
 THIRD_PARTY = {
     "train": {"ATen", "c10"},  # networks in training are made of tensors; a part of the tool, for its own .cpp files
     "io": {"fmt", "gdal", "ogr", "osmium", "nlohmann"},  # *_support.hpp: for the .cpp files of io
-    "remote": {"curl", "sqlite3"},  # http_transfer.hpp, sqlite.hpp: for the .cpp files of remote
+    "remote": {"curl", "sqlite3", "pugixml"},  # http_transfer, sqlite, xml_text: for the .cpp files of remote
     "pipeline": {"fmt", "nlohmann", "toml++"},  # run.json, site.toml
     "report": {"nlohmann"},  # the record of a run, which the page shows
     "app": {"CLI", "fmt", "httplib", "posix"},

@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <optional>
 #include <pugixml.hpp>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/core/printable.hpp"
+#include "orthodrive/remote/xml_text.hpp"
 #include "roadquery/text.hpp"
 
 namespace orthodrive::remote {
@@ -20,64 +19,6 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{64} << 20;
 constexpr std::size_t most_layers = 100000;
 constexpr int most_levels = 100;
-
-/// Without the prefix of its namespace: services choose those freely.
-std::string_view local_name(const pugi::xml_node& node) {
-  const std::string_view name = node.name();
-  const std::size_t colon = name.find(':');
-  return colon == std::string_view::npos ? name : name.substr(colon + 1);
-}
-
-pugi::xml_node child(const pugi::xml_node& node, std::string_view name) {
-  for (const pugi::xml_node& c : node.children())
-    if (local_name(c) == name) return c;
-  return {};
-}
-
-template <typename Visit>
-void for_children(const pugi::xml_node& node, std::string_view name, const Visit& visit) {
-  for (const pugi::xml_node& c : node.children())
-    if (local_name(c) == name) visit(c);
-}
-
-std::string text_of(const pugi::xml_node& node, std::string_view name) {
-  return std::string(roadquery::trimmed(child(node, name).child_value()));
-}
-
-std::string attribute(const pugi::xml_node& node, std::string_view name) {
-  for (const pugi::xml_attribute& a : node.attributes()) {
-    const std::string_view full = a.name();
-    const std::size_t colon = full.find(':');
-    if ((colon == std::string_view::npos ? full : full.substr(colon + 1)) == name)
-      return std::string(roadquery::trimmed(a.value()));
-  }
-  return {};
-}
-
-double number_of(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return end != text.c_str() ? value : std::nan("");
-}
-
-std::int64_t count_of(const std::string& text) {
-  const double value = number_of(text);
-  return value >= 0.0 && value <= 1e15 ? static_cast<std::int64_t>(value) : -1;
-}
-
-/// The first words of a document that is something else, for a message.
-std::string glimpse(std::string_view text) {
-  std::string line = printable(std::string(roadquery::trimmed(text.substr(0, 400)))).substr(0, 80);
-  while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0xC0) == 0x80)
-    line.pop_back();  // half a character
-  if (!line.empty() && (static_cast<unsigned char>(line.back()) & 0x80)) line.pop_back();
-  return line;
-}
-
-bool looks_like_html(std::string_view xml) {
-  const std::string start = roadquery::lowered(xml.substr(0, 500));
-  return start.find("<html") != std::string::npos || start.find("<!doctype html") != std::string::npos;
-}
 
 pugi::xml_node load(pugi::xml_document& document, std::string_view xml, const std::string& name,
                     std::initializer_list<std::string_view> roots, const char* service) {

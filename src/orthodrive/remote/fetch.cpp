@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/hash.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
 
 namespace orthodrive::remote {
@@ -13,6 +16,15 @@ std::string size_text(double bytes) {
   return bytes >= 1e9   ? fmt::format("{:.1f} GB", bytes / 1e9)
          : bytes >= 1e6 ? fmt::format("{:.1f} MB", bytes / 1e6)
                         : fmt::format("{:.0f} kB", bytes / 1e3);
+}
+
+std::string store_name(const std::string& shown_url, const std::string& otherwise) {
+  std::string name = shown_url.substr(0, shown_url.find_first_of("?#"));
+  name = name.substr(name.find_last_of('/') + 1);
+  if (name.size() > 100) name = name.substr(name.size() - 100);  // names of files have 255 bytes at most
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
+  return hash_bytes(shown_url).substr(0, 8) + "-" + (name.empty() ? otherwise : name);
 }
 
 void FetchJob::about_to_place() const { write_text_file(placing_mark(source), ""); }
@@ -36,6 +48,10 @@ FetchOutcome fetch_kind(const FetchJob& job, SourceRecord& record) {
       return fetch_osm_extract(job, record);
     case FetchKind::overpass:
       return fetch_overpass(job, record);
+    case FetchKind::stac:
+    case FetchKind::atom:
+    case FetchKind::sheets:
+      return fetch_sheets(job, record);
     default:
       return fetch_tiles(job, record);
   }
@@ -65,6 +81,7 @@ FetchOutcome fetch(const FetchSource& source, const SiteFrame& site, const Fetch
     record.url = secrets.hide(source.urls.empty() ? source.url : source.urls.front());
     write_record(source, record);
     if (is_tiled(source.kind)) remove_tile_store(source);
+    if (is_in_sheets(source.kind)) remove_sheet_store(source);
     return outcome;
   } catch (const OptionError& error) {
     throw OptionError(secrets.hide(error.what()));

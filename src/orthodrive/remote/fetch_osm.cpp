@@ -6,7 +6,6 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/osm/cut_osm.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
@@ -36,15 +35,6 @@ fs::path store_folder() {
   throw OptionError("no folder for downloads: set ORTHODRIVE_STORE to one");
 }
 
-/// The last part of the address as a plain name; its hash keeps two servers apart.
-std::string store_name(const std::string& shown_url) {
-  std::string name = shown_url.substr(0, shown_url.find_first_of("?#"));
-  name = name.substr(name.find_last_of('/') + 1);
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
-  return hash_bytes(shown_url).substr(0, 8) + "-" + (name.empty() ? "extract.osm.pbf" : name);
-}
-
 void take_counts(const io::CutOsm& cut, const FetchJob& job, FetchOutcome& outcome, SourceRecord& record) {
   record.bytes = outcome.bytes = static_cast<std::int64_t>(fs::file_size(job.source.to));
   outcome.summary = fmt::format("{} nodes, {} ways, {} relations, {}", cut.nodes, cut.ways, cut.relations,
@@ -59,8 +49,8 @@ FetchOutcome fetch_osm_extract(const FetchJob& job, SourceRecord& record) {
   const std::string url = job.secrets.resolve(job.source.url);
   FetchOutcome outcome;
   const bool remote = is_http(url);
-  const fs::path extract =
-      remote ? store_folder() / store_name(job.secrets.hide(url)) : (job.source.folder / url).lexically_normal();
+  const fs::path extract = remote ? store_folder() / store_name(job.secrets.hide(url), "extract.osm.pbf")
+                                  : (job.source.folder / url).lexically_normal();
   if (job.options.dry_run) {
     outcome.summary = fmt::format("the area of {}{}", extract.filename().string(),
                                   remote && !fs::exists(extract) ? ", which is downloaded whole first" : "");

@@ -19,10 +19,19 @@ std::string located(const FetchJob& job, const std::string& name) {
 }
 }  // namespace
 
-FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
-  const std::string suffix = job.source.to.extension().string();
+void check_raster_suffix(const FetchSource& source) {
+  const std::string suffix = source.to.extension().string();
   if (suffix != ".tif" && suffix != ".tiff")
-    throw OptionError(fmt::format("{}: a raster becomes a GeoTIFF, name it .tif", job.source.to_text));
+    throw OptionError(fmt::format("{}: a raster becomes a GeoTIFF, name it .tif", source.to_text));
+}
+
+void record_raster(const FetchJob& job, const Crs& crs, double gsd_m, SourceRecord& record, FetchOutcome& outcome) {
+  record.crs = crs.definition.size() < 100 ? crs.definition : "", record.resolution_m = gsd_m;
+  record.bytes = outcome.bytes = static_cast<std::int64_t>(fs::file_size(job.source.to));
+}
+
+FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
+  check_raster_suffix(job.source);
   std::vector<std::string> names;
   for (const std::string& name : job.source.urls.empty() ? std::vector<std::string>{job.source.url} : job.source.urls)
     names.push_back(located(job, name));
@@ -40,8 +49,7 @@ FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
                                             .vertical_datum = job.source.vertical_datum,
                                             .attempts = job.options.http.attempts,
                                             .stall_s = job.options.http.stall_s});
-  record.crs = cut.crs.definition.size() < 100 ? cut.crs.definition : "", record.resolution_m = cut.gsd_m;
-  record.bytes = outcome.bytes = static_cast<std::int64_t>(fs::file_size(job.source.to));
+  record_raster(job, cut.crs, cut.gsd_m, record, outcome);
   outcome.summary = fmt::format("{} x {} pixels of {:.2f} m, {}", cut.width, cut.height, cut.gsd_m,
                                 size_text(static_cast<double>(record.bytes)));
   return outcome;

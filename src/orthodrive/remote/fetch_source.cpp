@@ -10,14 +10,17 @@
 
 namespace orthodrive::remote {
 namespace {
-constexpr std::array<std::pair<FetchKind, const char*>, 8> kinds = {{{FetchKind::wmts, "wmts"},
-                                                                     {FetchKind::xyz, "xyz"},
-                                                                     {FetchKind::tms, "tms"},
-                                                                     {FetchKind::wms, "wms"},
-                                                                     {FetchKind::cog, "cog"},
-                                                                     {FetchKind::overpass, "overpass"},
-                                                                     {FetchKind::osm_extract, "osm_extract"},
-                                                                     {FetchKind::raster, "raster"}}};
+constexpr std::array<std::pair<FetchKind, const char*>, 11> kinds = {{{FetchKind::wmts, "wmts"},
+                                                                      {FetchKind::xyz, "xyz"},
+                                                                      {FetchKind::tms, "tms"},
+                                                                      {FetchKind::wms, "wms"},
+                                                                      {FetchKind::cog, "cog"},
+                                                                      {FetchKind::overpass, "overpass"},
+                                                                      {FetchKind::osm_extract, "osm_extract"},
+                                                                      {FetchKind::raster, "raster"},
+                                                                      {FetchKind::stac, "stac"},
+                                                                      {FetchKind::atom, "atom"},
+                                                                      {FetchKind::sheets, "sheets"}}};
 }  // namespace
 
 FetchKind fetch_kind_of(const std::string& name) {
@@ -38,5 +41,11 @@ const char* name_of(FetchKind kind) {
 bool is_tiled(FetchKind kind) {
   return kind == FetchKind::wmts || kind == FetchKind::xyz || kind == FetchKind::tms || kind == FetchKind::wms;
 }
+
+bool is_in_sheets(FetchKind kind) {
+  return kind == FetchKind::stac || kind == FetchKind::atom || kind == FetchKind::sheets;
+}
+
+bool is_raster(FetchKind kind) { return kind == FetchKind::raster || kind == FetchKind::cog || is_in_sheets(kind); }
 
 }  // namespace orthodrive::remote

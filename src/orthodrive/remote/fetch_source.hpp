@@ -8,7 +8,7 @@
 
 namespace orthodrive::remote {
 
-enum class FetchKind { wmts, xyz, tms, wms, cog, overpass, osm_extract, raster };
+enum class FetchKind { wmts, xyz, tms, wms, cog, overpass, osm_extract, raster, stac, atom, sheets };
 
 struct FetchSource {
   FetchKind kind = FetchKind::xyz;
@@ -18,8 +18,9 @@ struct FetchSource {
   std::vector<std::string> urls;  ///< of raster and cog, where one is not enough
   std::filesystem::path folder;   ///< of the site file: local paths in `url` are relative to it
   std::string subdomains;         ///< one letter each for {s}
-  std::string layer, style, format, tile_matrix_set, time;
-  double resolution_m = 0.5;  ///< wanted edge of a pixel on the ground; of raster and cog 0 = as it is
+  std::string layer;  ///< of stac the asset, of atom words of the dataset, of sheets the property with the address
+  std::string style, format, tile_matrix_set, time;
+  double resolution_m = 0.5;  ///< wanted edge of a pixel on the ground; of rasters 0 = as it is
   int min_zoom = 0, max_zoom = 22;
   std::string licence, attribution;
   std::string vertical_datum, vertical_unit;  ///< of terrain; empty: not known
@@ -29,5 +30,9 @@ struct FetchSource {
 [[nodiscard]] FetchKind fetch_kind_of(const std::string& name);
 [[nodiscard]] const char* name_of(FetchKind kind);
 [[nodiscard]] bool is_tiled(FetchKind kind);
+/// An index on a server says which files show the area.
+[[nodiscard]] bool is_in_sheets(FetchKind kind);
+/// Becomes a GeoTIFF on the grid of the source.
+[[nodiscard]] bool is_raster(FetchKind kind);
 
 }  // namespace orthodrive::remote

@@ -62,6 +62,7 @@ void set_up(Transfer& t, const HttpOptions& options) {
   std::vector<std::string> lines;
   if (!t.request.etag.empty()) lines.push_back("If-None-Match: " + t.request.etag);
   if (!t.request.last_modified.empty()) lines.push_back("If-Modified-Since: " + t.request.last_modified);
+  if (!t.request.post_type.empty()) lines.push_back("Content-Type: " + t.request.post_type);
   t.headers = header_list(lines);
   curl_easy_setopt(easy, CURLOPT_URL, t.request.url.c_str());
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, t.headers.get());
@@ -186,7 +187,7 @@ class Run {
       case Judgement::again:
         return retry(std::move(transfer), status, verdict.why);
       case Judgement::never:
-        return give_up(std::move(transfer), verdict.why);
+        return give_up(std::move(transfer), verdict.why, status);
       case Judgement::missing:
         reply.status = 404;
         break;
@@ -213,17 +214,17 @@ class Run {
     // What one is told, all obey.
     if (asked || status == 429) paused_until_ = std::max(paused_until_, after(pause_s));
     const int most = succeeded_ > 0 ? options_.attempts : std::min(options_.attempts, 4);
-    if (transfer->attempt >= most) return give_up(std::move(transfer), why);
+    if (transfer->attempt >= most) return give_up(std::move(transfer), why, status);
     ++transfer->attempt;
     ask_again(std::move(transfer), pause_s);
   }
 
-  void give_up(TransferPtr transfer, const std::string& why) {
+  void give_up(TransferPtr transfer, const std::string& why, long status) {
     constexpr int hopeless = 8;
     const std::string what = fmt::format("{}: {}", state_.shown(transfer->request.url), state_.shown(why));
     if (succeeded_ == 0 && ++failed_ >= hopeless)
       throw Error(fmt::format("{} (and none of {} other requests succeeded)", what, failed_ - 1));
-    work_.fail({transfer->request.id, what});
+    work_.fail({transfer->request.id, what, static_cast<int>(status)});
   }
 
   HttpClient::State& state_;

@@ -29,7 +29,8 @@ struct HttpRequest {
   std::size_t id = 0;
   std::string url;                  ///< with its keys
   std::string etag, last_modified;  ///< of what is there already: 304 when it has not changed
-  std::string post;                 ///< a form's body; empty: GET
+  std::string post;                 ///< a body; empty: GET
+  std::string post_type;            ///< of the body; empty: that of a form
 };
 
 /// Status 200, 304, or 404 (also for 204 and 410): nothing there.
@@ -42,6 +43,7 @@ struct HttpReply {
 struct HttpFailure {
   std::size_t id = 0;
   std::string what;  ///< keys are hidden
+  int status = 0;    ///< of the last answer; 0: none came
 };
 
 struct HttpWork {
@@ -80,8 +82,10 @@ class HttpClient {
                               const std::function<std::string(const HttpReply&)>& check = {});
 
   /// A large file: goes on where an earlier, killed download of the same version stopped (FILE.part and
-  /// FILE.part.json), and asks only for news where the file is there (FILE.json holds its version). Throws Error.
-  HttpFile download(const std::string& url, const std::filesystem::path& to, bool refresh);
+  /// FILE.part.json), and asks only for news where the file is there (FILE.json holds its version). Throws Error, and
+  /// for a file of more than `most_bytes`.
+  HttpFile download(const std::string& url, const std::filesystem::path& to, bool refresh,
+                    std::int64_t most_bytes = std::int64_t{1} << 40);
 
   struct State;  ///< for the .cpp files of remote
 

@@ -64,7 +64,8 @@ struct FileTransfer {
   std::int64_t offset = 0;
   ResponseHeaders response;
   std::ofstream out;
-  bool begun = false, disk_failed = false, no_room = false;
+  std::int64_t most_bytes = 0, written = 0;
+  bool begun = false, disk_failed = false, no_room = false, too_large = false;
   std::string what;
   char detail[CURL_ERROR_SIZE] = {};
 };
@@ -106,6 +107,9 @@ std::size_t write_file(char* data, std::size_t size, std::size_t count, void* us
     return 0;
   }
   if (!t.out.is_open()) return size * count;
+  t.written += static_cast<std::int64_t>(size * count);
+  t.too_large = t.offset + t.written > t.most_bytes;
+  if (t.too_large) return 0;
   t.out.write(data, static_cast<std::streamsize>(size * count));
   t.disk_failed = !t.out;
   return t.out ? size * count : 0;
@@ -148,6 +152,7 @@ struct Download {
   fs::path to, part;
   std::string url_hash;
   std::optional<Version> there;  ///< of the file that is to be refreshed
+  std::int64_t most_bytes = 0;
 };
 
 void set_up(FileTransfer& t, const Download& d) {
@@ -184,7 +189,7 @@ Attempt attempt_once(const Download& d) {
   FileTransfer t;
   const EasyPtr easy(curl_easy_init());
   t.easy = easy.get(), t.monitor = d.state.monitor, t.part = d.part, t.what = d.to.filename().string();
-  t.version = read_version(beside(d.part, ".json"));
+  t.version = read_version(beside(d.part, ".json")), t.most_bytes = d.most_bytes;
   if (t.version.url_hash == d.url_hash && !t.version.validator().empty()) t.offset = size_of(d.part);
   t.version.url_hash = d.url_hash;
   const std::int64_t offset = t.offset;
@@ -196,9 +201,19 @@ Attempt attempt_once(const Download& d) {
   stop_if_cancelled(d.state.monitor);
   if (t.no_room || t.disk_failed)
     throw Error(fmt::format("{}: cannot be written; is the disk full or the folder read-only?", d.to.string()));
+  if (t.too_large) {
+    std::error_code ignored;
+    fs::remove(d.part, ignored), fs::remove(beside(d.part, ".json"), ignored);
+    throw Error(fmt::format("{}: the file has more than {:.0f} GB, which is not fetched", d.state.shown(d.url),
+                            static_cast<double>(d.most_bytes) / 1e9));
+  }
   Attempt attempt;
   curl_easy_getinfo(t.easy, CURLINFO_RESPONSE_CODE, &attempt.status);
   attempt.verdict = judge(code, attempt.status, t.detail);
+  if (attempt.verdict.judgement == Judgement::good && attempt.status == 200 && !t.begun) {
+    t.offset = 0;  // an empty file: nothing was written, and what an earlier attempt left is of another one
+    std::ofstream(d.part, std::ios::binary | std::ios::trunc).close();
+  }
   attempt.version = t.version, attempt.offset = t.offset;
   attempt.complete = attempt.verdict.judgement == Judgement::good && (t.begun || attempt.status == 200);
   attempt.progressed = t.offset == offset && size_of(d.part) > offset;
@@ -229,6 +244,7 @@ Attempt attempt_all(const Download& d) {
     if (attempt.progressed) number = 1;
     const std::string what = fmt::format("{}: {}", d.state.shown(d.url), d.state.shown(attempt.verdict.why));
     const int most = size_of(d.part) > 0 ? options.attempts : std::min(options.attempts, 4);
+    if (attempt.verdict.judgement == Judgement::missing) throw Error(what + " (not there); check the url");
     if (attempt.verdict.judgement != Judgement::again || number >= most) throw Error(what + "; run it again to go on");
     const double asked_s = attempt.asked_pause_s.value_or(0.0);
     if (asked_s > options.longest_wait_s)
@@ -238,9 +254,9 @@ Attempt attempt_all(const Download& d) {
 }
 }  // namespace
 
-HttpFile HttpClient::download(const std::string& url, const fs::path& to, bool refresh) {
+HttpFile HttpClient::download(const std::string& url, const fs::path& to, bool refresh, std::int64_t most_bytes) {
   start_curl();
-  Download d{url, *state_, to, beside(to, ".part"), hash_bytes(state_->shown(url)), {}};
+  Download d{url, *state_, to, beside(to, ".part"), hash_bytes(state_->shown(url)), {}, most_bytes};
   const Version there = read_version(beside(to, ".json"));
   if (fs::exists(to) && there.url_hash == d.url_hash) {
     if (!refresh) return {there.etag, there.last_modified, size_of(to), 0, true};

@@ -78,6 +78,7 @@ void write_record(const FetchSource& source, const SourceRecord& r) {
   add("vertical_datum", source.vertical_datum), add("vertical_unit", source.vertical_unit);
   if (r.resolution_m > 0.0) record["resolution_m"] = std::round(r.resolution_m * 1000.0) / 1000.0;
   if (r.tiles > 0) record["tiles"] = r.tiles, record["missing_tiles"] = r.missing;
+  if (r.sheets > 0) record["sheets"] = r.sheets;
   write_text_file(record_file(source), record.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 

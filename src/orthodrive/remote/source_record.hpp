@@ -18,7 +18,7 @@ struct SourceRecord {
   std::string request;  ///< hash of the table and the area
   std::string crs, zoom, etag, last_modified;
   double resolution_m = 0.0;
-  std::int64_t tiles = 0, missing = 0, bytes = 0;
+  std::int64_t tiles = 0, missing = 0, sheets = 0, bytes = 0;
 };
 
 enum class LocalState {

@@ -2,66 +2,18 @@
 #include "orthodrive/io/raster/cut_raster.hpp"
 
 #include <fmt/format.h>
-#include <gdal_utils.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/io/raster/join_rasters.hpp"
 #include "orthodrive/io/raster/raster_support.hpp"
 
 namespace orthodrive::io {
 namespace {
 namespace fs = std::filesystem;
-
-bool is_remote(const std::string& name) { return name.starts_with("http://") || name.starts_with("https://"); }
-
-/// The drivers of rasters but those whose files name other files or servers.
-std::vector<std::string> safe_drivers() {
-  static const std::set<std::string> leading_on{"VRT", "MRF"};
-  std::vector<std::string> names;
-  GDALDriverManager& drivers = *GetGDALDriverManager();
-  for (int i = 0; i < drivers.GetDriverCount(); ++i) {
-    GDALDriver& driver = *drivers.GetDriver(i);
-    if (driver.GetMetadataItem(GDAL_DCAP_RASTER) && !leading_on.contains(driver.GetDescription()))
-      names.emplace_back(driver.GetDescription());
-  }
-  return names;
-}
-
-DatasetPtr open_source(const std::string& name) {
-  GdalErrors errors;
-  GdalOptions drivers(is_remote(name) ? safe_drivers() : std::vector<std::string>{});
-  const std::string path = is_remote(name) ? "/vsicurl/" + name : name;
-  DatasetPtr dataset(
-      GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, is_remote(name) ? drivers.get() : nullptr));
-  if (!dataset)
-    throw InputError(name, fmt::format("cannot be read as a raster{}; check the url",
-                                       errors.any() ? " (" + printable(errors.text()) + ")" : ""));
-  return dataset;
-}
-
-/// The rasters as one; they must outlive it.
-DatasetPtr joined(const std::vector<DatasetPtr>& sources, const std::vector<std::string>& names) {
-  std::vector<GDALDatasetH> handles;
-  const OGRSpatialReference* first = sources.front()->GetSpatialRef();
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    const OGRSpatialReference* reference = sources[i]->GetSpatialRef();
-    if (!first || !reference || !first->IsSame(reference))
-      throw InputError(names[i], fmt::format("has another CRS than {}; give it a [[fetch]] of its own", names.front()));
-    handles.push_back(GDALDataset::ToHandle(sources[i].get()));
-  }
-  std::reverse(handles.begin(), handles.end());  // in a virtual raster the last lies on top
-  GdalErrors errors;
-  int failed = 0;
-  DatasetPtr result(GDALDataset::FromHandle(
-      GDALBuildVRT("", static_cast<int>(handles.size()), handles.data(), nullptr, nullptr, &failed)));
-  if (!result || errors.any())
-    throw InputError(names.front(), fmt::format("cannot be joined with the others ({})", printable(errors.text())));
-  return result;
-}
 
 /// In whole pixels of the raster; clipped to it.
 PixelBox window_of(const Georeference& g, GDALDataset& raster, const SiteFrame& site, double margin_m,
@@ -97,10 +49,6 @@ PixelBox window_of(const Georeference& g, GDALDataset& raster, const SiteFrame& 
   return {col, row, end_col - col, end_row - row};
 }
 
-bool is_photo(GDALDataset& raster) {
-  return raster.GetRasterBand(1)->GetRasterDataType() == GDT_Byte && raster.GetRasterCount() >= 3;
-}
-
 /// Red, green, blue and alpha of a photo: near infrared is left out.
 std::vector<std::string> band_arguments(GDALDataset& raster) {
   if (!is_photo(raster) || raster.GetRasterCount() == 3) return {};
@@ -113,20 +61,31 @@ std::vector<std::string> band_arguments(GDALDataset& raster) {
   return arguments;
 }
 
-/// What GDAL does with servers, for this thread.
+/// As many as the tiles of a service may have.
+void require_possible_size(const std::string& name, const PixelBox& window, double gsd_m, double coarser) {
+  constexpr double most_pixels = 2e6 * 256 * 256;
+  const double pixels = static_cast<double>(window.width) * window.height / (coarser * coarser);
+  if (pixels > most_pixels)
+    throw InputError(
+        name, fmt::format("has {:.0f} thousand million pixels in the area, most are {:.0f}; say "
+                          "resolution_m = {:.2g} or take a smaller area",
+                          pixels / 1e9, most_pixels / 1e9, 1.1 * gsd_m * coarser * std::sqrt(pixels / most_pixels)));
+}
+
+/// What GDAL does with servers, for this thread. Files of this machine may have others beside them (.tfw, .prj).
 struct HttpManners {
-  explicit HttpManners(const CutRasterOptions& o)
+  HttpManners(const CutRasterOptions& o, bool of_server)
       : attempts(std::to_string(o.attempts)),
         stall(fmt::format("{:.0f}", std::max(1.0, o.stall_s))),
         retry("GDAL_HTTP_MAX_RETRY", attempts.c_str()),
-        low_speed("GDAL_HTTP_LOW_SPEED_TIME", stall.c_str()) {}
+        low_speed("GDAL_HTTP_LOW_SPEED_TIME", stall.c_str()),
+        listing("GDAL_DISABLE_READDIR_ON_OPEN", of_server ? "EMPTY_DIR" : "FALSE") {}
   std::string attempts, stall;
-  ScopedGdalOption retry, low_speed;
+  ScopedGdalOption retry, low_speed, listing;
   ScopedGdalOption delay{"GDAL_HTTP_RETRY_DELAY", "0.5"}, least{"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
       connect{"GDAL_HTTP_CONNECTTIMEOUT", "15"};
   ScopedGdalOption agent{"GDAL_HTTP_USERAGENT", "orthodrive (map data for an area, asked once and kept)"};
-  ScopedGdalOption no_listing{"GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"},
-      merge{"GDAL_HTTP_MERGE_CONSECUTIVE_RANGES", "YES"};
+  ScopedGdalOption merge{"GDAL_HTTP_MERGE_CONSECUTIVE_RANGES", "YES"};
   ScopedGdalOption one_by_one{"GDAL_HTTP_MULTIRANGE", "SERIAL"};  // GDAL 3.6 asks several ranges at once only once
 };
 }  // namespace
@@ -134,14 +93,12 @@ struct HttpManners {
 CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& site, const fs::path& to,
                      const CutRasterOptions& options) {
   start_gdal();
-  const HttpManners manners(options);
-  std::vector<DatasetPtr> sources;
-  sources.reserve(names.size());
-  for (const std::string& name : names) sources.push_back(open_source(name));
-  const DatasetPtr mosaic = sources.size() > 1 ? joined(sources, names) : nullptr;
-  GDALDataset& raster = mosaic ? *mosaic : *sources.front();
-  const Georeference g = georeference_of(names.front(), raster);
-  const PixelBox window = window_of(g, raster, site, options.margin_m, names.front());
+  const HttpManners manners(options, std::any_of(names.begin(), names.end(), is_on_server));
+  JoinedRasters all = join_rasters(names, options);
+  const Georeference g = georeference_of(names.front(), all.raster());
+  const PixelBox window = window_of(g, all.raster(), site, options.margin_m, names.front());
+  all.mark_holes(names, window);
+  GDALDataset& raster = all.raster();
   const double gsd_m = pixel_size(g, raster.GetRasterXSize(), raster.GetRasterYSize()).gsd_m();
   std::vector<std::string> arguments{"-srcwin", std::to_string(window.col), std::to_string(window.row),
                                      std::to_string(window.width), std::to_string(window.height)};
@@ -152,6 +109,7 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
     arguments.insert(arguments.end(), {"-r", "average", "-outsize",
                                        fmt::format("{:.0f}", std::max(1.0, std::round(window.width / coarser))),
                                        fmt::format("{:.0f}", std::max(1.0, std::round(window.height / coarser)))});
+  require_possible_size(names.front(), window, gsd_m, coarser);
   DatasetPtr part = translate_to_vrt(raster, arguments);
   if (!options.vertical_unit.empty())
     for (int b = 1; b <= part->GetRasterCount(); ++b)

@@ -3,6 +3,7 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -99,7 +100,6 @@ GdalOptions::GdalOptions(const std::vector<std::string>& options) : texts_(optio
   pointers_.push_back(nullptr);
 }
 
-namespace {
 /// A file may say that it is one block of a thousand bands: reading a pixel of it would take gigabytes.
 void require_plausible_blocks(const fs::path& path, GDALDataset& raster) {
   constexpr double always = double{1 << 28}, most_per_byte = 1000.0;
@@ -113,15 +113,30 @@ void require_plausible_blocks(const fs::path& path, GDALDataset& raster) {
     const double of_band = static_cast<double>(width) * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
     bytes = together ? bytes + of_band : std::max(bytes, of_band);
   }
-  std::error_code error;  // some formats are folders
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (bytes > std::max(always, error ? 0.0 : most_per_byte * static_cast<double>(size)))
+  VSIStatBufL about{};  // some formats are folders; in an archive it is the size of what is unpacked
+  const bool is_file = VSIStatL(path.c_str(), &about) == 0 && VSI_ISREG(about.st_mode);
+  if (bytes > std::max(always, is_file ? most_per_byte * static_cast<double>(about.st_size) : 0.0))
     throw InputError(path.string(),
                      fmt::format("says that {} bands lie in blocks of {:.0f} MB, more than its bytes can hold; get the "
                                  "file again, or make smaller ones: gdal_translate -co TILED=YES IN OUT.tif",
                                  raster.GetRasterCount(), bytes / 1e6));
 }
-}  // namespace
+
+const std::vector<std::string>& raster_drivers_for_strangers() {
+  static const std::vector<std::string> names = [] {
+    start_gdal();
+    static const std::set<std::string_view> leading_on{"VRT", "MRF"};
+    std::vector<std::string> found;
+    GDALDriverManager& drivers = *GetGDALDriverManager();
+    for (int i = 0; i < drivers.GetDriverCount(); ++i) {
+      GDALDriver& driver = *drivers.GetDriver(i);
+      if (driver.GetMetadataItem(GDAL_DCAP_RASTER) && !leading_on.contains(driver.GetDescription()))
+        found.emplace_back(driver.GetDescription());
+    }
+    return found;
+  }();
+  return names;
+}
 
 DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
   if (!fs::exists(path)) throw InputError(path.string(), "no such file");

@@ -71,6 +71,11 @@ class GdalOptions {
 /// Throws InputError when the file is missing or no driver of that kind (GDAL_OF_RASTER or GDAL_OF_VECTOR) reads it.
 [[nodiscard]] DatasetPtr open_dataset(const std::filesystem::path& path, unsigned kind);
 
+/// Throws InputError when the blocks of a raster are larger than its file can hold; the path is GDAL's.
+void require_plausible_blocks(const std::filesystem::path& path, GDALDataset& raster);
+/// The drivers of rasters but those whose files name other files or servers.
+[[nodiscard]] const std::vector<std::string>& raster_drivers_for_strangers();
+
 /// With x = longitude or easting whatever the authority says.
 [[nodiscard]] OGRSpatialReference spatial_reference(const Crs& crs);
 /// "EPSG:n" where GDAL knows the code, else WKT2.

@@ -157,7 +157,7 @@ class RoadsWriter {
     row.SetField("side_lanes", path.side_lanes.c_str());
     row.SetField("speeds_forward", path.speeds_forward.c_str());
     row.SetField("speeds_backward", path.speeds_backward.c_str());
-    const Placement& placement = path.placement;
+    const auto& placement = path.placement;
     if (placement.start >= 0.0) row.SetField("placement_start", placement.start);
     if (placement.end >= 0.0) row.SetField("placement_end", placement.end);
     row.SetField("placement_backward", placement.backward ? 1 : 0);

@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double most_cells = 10000;
-const std::vector<std::string> kinds{"wmts", "xyz", "tms", "wms", "cog", "overpass", "osm_extract", "raster"};
+const std::vector<std::string> kinds{"wmts",        "xyz",    "tms",  "wms",  "cog",   "overpass",
+                                     "osm_extract", "raster", "stac", "atom", "sheets"};
 
 Ring read_ring(const TomlSection& section, const toml::node& node) {
   Ring ring;

@@ -14,7 +14,7 @@ void run_fetch(const Site& site, const remote::FetchOptions& options, Monitor* m
   for (const remote::FetchSource& source : site.fetch) {
     const remote::FetchOutcome outcome = remote::fetch(source, site.frame, options, monitor);
     if (monitor) monitor->info(fmt::format("{}: {}", source.to_text, outcome.summary));
-    const bool terrain = source.kind == remote::FetchKind::raster || source.kind == remote::FetchKind::cog;
+    const bool terrain = remote::is_raster(source.kind);
     const bool is_dtm = std::find(site.dtm.begin(), site.dtm.end(), source.to) != site.dtm.end();
     if (terrain && is_dtm && source.vertical_datum.empty() && monitor)
       monitor->info(fmt::format("{}: its vertical datum is not named (vertical_datum), heights are taken as they are",

@@ -25,8 +25,8 @@ FetchSource read_table(TomlSection& section, const std::filesystem::path& folder
   if (source.to_text.empty()) section.fail_here("'to' must be a file");
   source.folder = folder, source.to = (folder / source.to_text).lexically_normal();
   if (source.url.empty() && source.urls.empty()) section.fail_here("'url' is missing here");
-  const bool rasters = source.kind == FetchKind::raster || source.kind == FetchKind::cog;
-  if (!source.urls.empty() && !(rasters && source.url.empty()))
+  const bool rasters = remote::is_raster(source.kind);
+  if (!source.urls.empty() && !(rasters && !remote::is_in_sheets(source.kind) && source.url.empty()))
     section.fail_here("'urls' is for kind raster and cog, in place of 'url'");
   source.resolution_m = rasters ? 0.0 : source.resolution_m;
   section.read("resolution_m", source.resolution_m);
