@@ -21,12 +21,14 @@
 #include "orthodrive/io/models/safetensors_stream.hpp"
 #include "orthodrive/io/opendrive/drive_log_io.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
+#include "orthodrive/io/raster/sheet_files.hpp"
 #include "orthodrive/io/support/npy_reader.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/io/tiles/tile_reader.hpp"
 #include "orthodrive/io/vector/building_reader.hpp"
 #include "orthodrive/io/vector/control_point_reader.hpp"
 #include "orthodrive/io/vector/gpx_reader.hpp"
+#include "orthodrive/io/vector/sheet_index_reader.hpp"
 #include "orthodrive/io/vector/surroundings_reader.hpp"
 #include "orthodrive/io/vector/tree_reader.hpp"
 #include "orthodrive/model/rasters/class_table_json.hpp"
@@ -106,6 +108,11 @@ void read_table(const fs::path& file) {
   attempt([&] { (void)synth::parse_heights(text, file.string()); });
 }
 
+void read_sheets(const fs::path& file) {
+  attempt([&] { io::visit_sheet_index(file, "a", {14.0, 49.0, 17.0, 52.0}, [](io::IndexedSheet&&) {}); });
+  attempt([&] { (void)io::rasters_in(file, "a"); });
+}
+
 struct Reader {
   std::string_view name;       ///< of the target and of its corpus
   std::string_view file_name;  ///< readers go by its end
@@ -117,6 +124,7 @@ constexpr Reader readers[] = {
     {"geojson", "a.geojson", read_map},
     {"raster", "a.tif", read_raster},
     {"picture", "a.png", read_picture},
+    {"sheet_index", "a", read_sheets},
     {"site", "a.toml", [](const fs::path& file) { (void)read_site(file); }},
     {"experiment", "a.toml", [](const fs::path& file) { (void)parse_experiment(text_of(file), file); }},
     {"safetensors", "a.safetensors", read_weights},
