@@ -401,7 +401,10 @@ class Atom(SheetCase):
         entries += self.entry("UTM 33, ECW", self.sections("ecw", "image/x-ecw"))
         entries = entries + self.entry("UTM 33", self.sections())
         origin = self.service(self.pages(entries), self.zips())
-        self.site(self.table("atom", origin.url + "/service.xml", format="application/zip"))
+        self.site(self.table("atom", origin.url + "/service.xml", format="image/x-ecw"))
+        self.assertIn("HTTP 404", self.fails())
+        del origin.log[:]
+        self.site(self.table("atom", origin.url + "/service.xml"))
         self.assertIn("in another CRS or format are left out", self.fetch())
         self.check_result(direct, origin)
         self.assertFalse([p for p in origin.paths() if "32.zip" in p or "ecw" in p])
@@ -438,7 +441,7 @@ class Atom(SheetCase):
         link = '<link rel="section" type="application/zip" href="{}"/>'
 
         def feed(links, ring=REGION):
-            return feed(links, ring)
+            return ATOM.format(title="t", body=self.entry("e", links, ring))
 
         down = '<link rel="alternate" type="application/atom+xml" href="{}"/>'
         for pages, said in (
@@ -487,7 +490,7 @@ class Index(SheetCase):
     def features(self, address="files/{}.jp2", **more):
         found = []
         for place, name in self.names().items():
-            attributes = {"name": name, "preview": 7, "link": address.format(name), **more}
+            attributes = {"name": name, "preview": f"https://a.b/{name}.jpg", "link": address.format(name), **more}
             geometry = {"type": "Polygon", "coordinates": [corners(*place)]}
             found.append({"type": "Feature", "properties": attributes, "geometry": geometry})
         return {"type": "FeatureCollection", "features": found}

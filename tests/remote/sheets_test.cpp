@@ -35,7 +35,8 @@ TEST(LinkAddress, is_resolved_against_its_page_and_leads_to_http_alone) {
 TEST(LinkAddress, names_a_sheet_at_its_end_or_in_its_query) {
   for (const char* good : {"http://a/b.TIF", "x.jp2?sig=1", "http://a/get.php?file=a.zip&id=4", "a.tiff#b"})
     EXPECT_TRUE(names_sheet(good)) << good;
-  for (const char* bad : {"http://a.zip.de/b", "a.tifx", "a.html", "", "tif"}) EXPECT_FALSE(names_sheet(bad)) << bad;
+  for (const char* bad : {"http://a.zip.de/b", "a.tifx", "a.html", "http://a/preview.jpg", "", "tif"})
+    EXPECT_FALSE(names_sheet(bad)) << bad;
 }
 
 TEST(LinkKeys, go_along_to_the_same_host) {

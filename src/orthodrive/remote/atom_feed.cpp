@@ -147,7 +147,9 @@ AtomFeed parse_atom_feed(std::string_view xml, const std::string& name) {
 
 bool leads_to_sheet(const AtomLink& link) {
   if (!holds(" alternate enclosure section item data ", {(" " + link.rel + " ").c_str()})) return false;
-  if (holds(link.type, {"xml", "html", "json", "pdf", "text/", "svg", "gzip", "gml", "shape"})) return false;
+  if (holds(link.type, {"xml", "html", "json", "pdf", "text/", "svg", "gzip", "gml", "shape", "image/png", "image/jpeg",
+                        "image/gif"}))
+    return false;
   return holds(link.type, {"image/", "tiff", "jp2", "jpeg2000", "zip"}) || names_sheet(link.href);
 }
 

@@ -138,7 +138,8 @@ class StacSearch {
   }
 
   void take(const StacItem& item, const std::string& page) {
-    if (!ids_.insert(item.id.empty() && !item.assets.empty() ? item.assets.front().href : item.id).second) return;
+    const std::string id = item.id.empty() && !item.assets.empty() ? item.assets.front().href : item.id;
+    if (!ids_.insert({item.collection, id}).second) return;
     if (!item.footprint.empty() && !area_.touches(item.footprint)) return;
     const StacAsset* asset = chosen_asset(item, job_.source.layer, shown_);
     if (!asset) {
@@ -167,7 +168,8 @@ class StacSearch {
   std::string url_, shown_;
   LinkKeys keys_;
   std::vector<Sheet> sheets_;
-  std::set<std::string> ids_, known_keys_;
+  std::set<std::pair<std::string, std::string>> ids_;  ///< collection, id
+  std::set<std::string> known_keys_;
   std::size_t without_asset_ = 0;
   int idle_pages_ = 0;
 };

@@ -59,8 +59,8 @@ std::string absolute_address(const std::string& page, const std::string& link) {
 }
 
 bool names_sheet(std::string_view address) {
-  static constexpr std::array suffixes{".tif", ".tiff", ".jp2", ".j2k", ".zip", ".jpg", ".jpeg", ".png",
-                                       ".img", ".asc",  ".xyz", ".ecw", ".sid", ".hgt", ".dem"};
+  static constexpr std::array suffixes{".tif", ".tiff", ".jp2", ".j2k", ".zip", ".img",
+                                       ".asc", ".xyz",  ".ecw", ".sid", ".hgt", ".dem"};
   const std::string lowered = roadquery::lowered(address);
   for (const std::string_view suffix : suffixes)
     for (std::size_t at = lowered.find(suffix); at != std::string::npos; at = lowered.find(suffix, at + 1)) {

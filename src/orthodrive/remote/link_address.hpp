@@ -13,6 +13,7 @@ namespace orthodrive::remote {
 /// such as file: and s3:.
 [[nodiscard]] std::string absolute_address(const std::string& page, const std::string& link);
 /// Whether a name in the address ends like a raster or an archive (.tif, .jp2, .zip, ...); it may stand in the query.
+/// Those of pictures (.jpg, .png) do not count: they are previews, which have no place on earth.
 [[nodiscard]] bool names_sheet(std::string_view address);
 
 /// The login and the keys of a table's address, for links to the same host: {env:NAME} and user:password@.

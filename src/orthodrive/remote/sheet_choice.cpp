@@ -49,7 +49,7 @@ bool is_same_place(const MultiPolygon& a, const MultiPolygon& b) {
 
 using Offer = std::pair<std::string, std::string>;  // CRS and format
 
-/// The offer that covers most of the area.
+/// The offer that covers most of the area. Formats that only a licensed GDAL reads (ECW, MrSID) come last of equals.
 Offer best_offer(const std::vector<Sheet>& sheets, const SheetArea& area, const Crs& site_crs) {
   constexpr double equal = 0.995;
   std::vector<Offer> order;
@@ -60,9 +60,11 @@ Offer best_offer(const std::vector<Sheet>& sheets, const SheetArea& area, const 
     for (Polygon& part : area.part_of(sheet.footprint)) parts[offer].push_back(std::move(part));
     parts[offer];
   }
-  std::stable_sort(order.begin(), order.end(), [&](const Offer& a, const Offer& b) {
-    return (a.first == site_crs.definition) > (b.first == site_crs.definition);
-  });
+  const auto rank = [&](const Offer& offer) {
+    const bool free = offer.second.find("ecw") == std::string::npos && offer.second.find("sid") == std::string::npos;
+    return std::pair(free, offer.first == site_crs.definition);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const Offer& a, const Offer& b) { return rank(a) > rank(b); });
   Offer best = order.front();
   double most_m2 = -1.0;
   for (const Offer& offer : order) {

@@ -93,7 +93,12 @@ std::string crs_of_item(const json& properties) {
 }
 
 StacItem item_of(const json& node) {
-  StacItem item{.id = string_in(node, "id"), .footprint = footprint_of_item(node)};
+  StacItem item{.id = string_in(node, "id"),
+                .collection = string_in(node, "collection"),
+                .date = {},
+                .crs = {},
+                .footprint = footprint_of_item(node),
+                .assets = {}};
   if (const json* properties = member(node, "properties")) {
     for (const char* key : {"datetime", "end_datetime", "start_datetime"})
       if (item.date.empty()) item.date = string_in(*properties, key);
@@ -137,9 +142,9 @@ bool has_role(const StacAsset& asset, const char* role) {
 bool is_raster_asset(const StacAsset& asset) {
   for (const char* other : {"thumbnail", "overview", "metadata", "visual-overview"})
     if (has_role(asset, other)) return false;
-  for (const char* type : {"image/tiff", "image/jp2", "image/jpx", "image/vnd.stac.geotiff", "application/zip"})
-    if (asset.type.starts_with(type)) return true;
-  return (asset.type.empty() || asset.type == "application/octet-stream") && names_sheet(asset.href);
+  const auto is = [&](const char* part) { return asset.type.find(part) != std::string::npos; };
+  if (is("tiff") || is("jp2") || is("jpx") || is("jpeg2000") || asset.type == "application/zip") return true;
+  return !is("json") && !is("xml") && !is("text/") && !is("image/png") && !is("image/jpeg") && names_sheet(asset.href);
 }
 }  // namespace
 

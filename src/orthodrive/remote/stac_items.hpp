@@ -20,7 +20,8 @@ struct StacAsset {
 };
 
 struct StacItem {
-  std::string id, date;
+  std::string id, collection;  ///< an id is unique in its collection
+  std::string date;
   std::string crs;         ///< "EPSG:n" of the projection extension; empty: not said
   MultiPolygon footprint;  ///< degrees; empty: not said
   std::vector<StacAsset> assets;
