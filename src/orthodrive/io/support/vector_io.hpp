@@ -22,10 +22,11 @@ namespace orthodrive::io {
 /// Nodes carry their OSM id, width_m = width tag (metres) or default_width_m, offset 0. Where a way leaves the area it
 /// is cut (no_osm_node there) and its pieces are counted. From south-west to north-east, whatever their ids, then by
 /// part. Throws InputError for a missing or truncated file and when no road lies in the area (says where the roads
-/// lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped), "osm.missing_node" (the way is cut there),
-/// "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of lanes and speed that contradict each other
-/// or cannot be read, with what was taken), "osm.tag_not_read" (for each tag and value that tag_rules lists as not
-/// read), and the codes of omitted ways (osm_structure_tags.hpp). Turn restrictions and signs at nodes come along.
+/// lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
+/// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
+/// lanes and speed that contradict each other or cannot be read, with what was taken), "osm.tag_not_read" (for each tag
+/// and value that tag_rules lists as not read), and the codes of omitted ways (osm_structure_tags.hpp). Turn
+/// restrictions and signs at nodes come along.
 /// Turning circles and passing places widen their roads.
 [[nodiscard]] RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
                                          Findings* findings = nullptr);
