@@ -81,8 +81,9 @@ TEST_F(SynthCommand, files_read_back_as_one_site) {
     const std::array dtm{io::read_dtm(folder_ / name, site)};
     EXPECT_EQ(io::coverage(dtm, site), 1.0) << name;
   }
-  const RoadNetwork osm = io::read_osm_roads(folder_ / "roads.osm", site),
-                    truth = io::read_roads(folder_ / "truth/roads.gpkg");
+  RoadNetwork osm = io::read_osm_roads(folder_ / "roads.osm", site),
+              truth = io::read_roads(folder_ / "truth/roads.gpkg");
+  for (RoadNetwork* roads : {&osm, &truth}) std::ranges::stable_sort(roads->paths, {}, &RoadPath::osm_id);
   ASSERT_EQ(osm.paths.size(), truth.paths.size());
   for (std::size_t i = 0; i < osm.paths.size(); ++i) {
     EXPECT_EQ(osm.paths[i].osm_id, truth.paths[i].osm_id);
