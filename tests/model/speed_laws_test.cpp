@@ -88,6 +88,10 @@ TEST(SpeedLaws, signs_go_first_and_lists_get_numbers) {
   EXPECT_EQ(roads.paths[2].speeds_forward, "|100|80");
   EXPECT_EQ(roads.paths[2].speed_limit_kmh, 100.0) << "the largest that its lanes have";
   EXPECT_TRUE(findings.empty()) << "all of them have signs";
+  roads.paths = {road("raceway")};
+  roads.paths[0].speeds_forward = "250";
+  settle_speeds(some_laws("DE"), roads, findings);
+  EXPECT_EQ(roads.paths[0].speed_limit_kmh, 250.0);
   roads.paths = {road("secondary", "rural")};
   settle_speeds(some_laws("DE"), roads, findings);
   EXPECT_EQ(roads.paths[0].speed_limit_kmh, 100.0);

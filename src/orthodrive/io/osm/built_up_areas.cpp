@@ -24,15 +24,6 @@ bool is_built_up(const osmium::TagList& tags) {
   return use == "residential" || use == "commercial" || use == "retail" || use == "industrial";
 }
 
-struct BuiltUpWay {
-  std::vector<std::int64_t> nodes;
-  Ring lonlat;  ///< of the nodes, where the way itself tells; NaN else
-};
-
-Vec2 lonlat_of(const osmium::Location& place) {
-  return place.valid() ? Vec2{place.lon(), place.lat()} : Vec2{std::nan(""), std::nan("")};
-}
-
 /// What the files have of such areas: rings by the ids of their ways, the ways, the places of their nodes.
 class Reading {
  public:
@@ -80,9 +71,9 @@ class Reading {
     const auto [it, is_new] = ways_.try_emplace(way.id());
     if (!is_new) return;
     for (const osmium::NodeRef& node : way.nodes()) {
-      it->second.nodes.push_back(node.ref());
-      it->second.lonlat.push_back(lonlat_of(node.location()));
-      place_of_.try_emplace(node.ref(), lonlat_of(node.location()));
+      it->second.push_back(node.ref());
+      Vec2& place = place_of_.try_emplace(node.ref(), lonlat_of(node.location())).first->second;
+      if (std::isnan(place.x)) place = lonlat_of(node.location());  // where the way itself tells
     }
     if (is_area) ways_of_area_.push_back({way.id()});
   }
@@ -90,9 +81,8 @@ class Reading {
     const auto way = ways_.find(id);
     if (way == ways_.end()) return false;
     Vec2 before;
-    for (std::size_t i = 0; i < way->second.nodes.size(); ++i) {
-      Vec2 place = place_of_.at(way->second.nodes[i]);
-      if (std::isnan(place.x)) place = way->second.lonlat[i];
+    for (std::size_t i = 0; i < way->second.size(); ++i) {
+      const Vec2 place = place_of_.at(way->second[i]);
       if (std::isnan(place.x)) return false;
       if (i > 0) segments.emplace_back(before, place);
       before = place;
@@ -102,7 +92,7 @@ class Reading {
 
   std::vector<std::vector<std::int64_t>> ways_of_area_;
   std::set<std::int64_t> wanted_, seen_relations_;
-  std::map<std::int64_t, BuiltUpWay> ways_;
+  std::map<std::int64_t, std::vector<std::int64_t>> ways_;  ///< their nodes
   std::map<std::int64_t, Vec2> place_of_;
 };
 

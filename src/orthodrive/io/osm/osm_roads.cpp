@@ -40,11 +40,6 @@ void for_each_file(const Files& files, F&& read) {
 constexpr std::int64_t stand_in_for_0 = -(std::int64_t{1} << 53) + 1;
 std::int64_t road_node(osmium::object_id_type id) { return id == no_osm_node ? stand_in_for_0 : id; }
 
-Vec2 lonlat_of(const osmium::Location& place) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  return place.valid() ? Vec2{place.lon(), place.lat()} : Vec2{nan, nan};
-}
-
 struct DrivableWay {
   std::int64_t id = 0;
   osmium::object_version_type version = 0;

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <osmium/io/any_input.hpp>
 #include <osmium/memory/buffer.hpp>
+#include <osmium/osm/location.hpp>
 #include <osmium/osm/object.hpp>
 #include <osmium/osm/object_comparisons.hpp>
 #include <osmium/osm/tag.hpp>
@@ -19,9 +21,16 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/geo/vec.hpp"
 #include "orthodrive/io/support/osm_text.hpp"
 
 namespace orthodrive::io {
+
+/// In degrees; NaN for a node without a place.
+inline Vec2 lonlat_of(const osmium::Location& place) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  return place.valid() ? Vec2{place.lon(), place.lat()} : Vec2{nan, nan};
+}
 
 /// Runs `read`, turning whatever libosmium throws into an InputError of the file.
 template <typename F>

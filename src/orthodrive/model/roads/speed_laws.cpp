@@ -12,14 +12,8 @@ namespace orthodrive {
 namespace {
 constexpr double walk_kmh = 7.0;  // what courts take "Schrittgeschwindigkeit" for
 /// Where a law is not known or says nothing: the commonest values of the countries in catalogue/speed_limits.toml.
-const SpeedLaw law_of_the_world{.living_street = 20.0,
-                                .bicycle_road = 30.0,
-                                .urban = 50.0,
-                                .rural = 90.0,
-                                .rural_dual = 0.0,
-                                .national = 0.0,
-                                .motorroad = 100.0,
-                                .motorway = 130.0};
+const SpeedLaw law_of_the_world{
+    .living_street = 20.0, .bicycle_road = 30.0, .urban = 50.0, .rural = 90.0, .motorroad = 100.0, .motorway = 130.0};
 
 using Limit = double SpeedLaw::*;
 /// Names of cases in OSM.
@@ -95,12 +89,10 @@ double unit_kmh(const SpeedLaws& laws, std::string_view country) {
 }
 
 double numbered_or_named(const SpeedLaws& laws, std::string_view text) {
-  if (text.empty() || zone_number(text)) {
-    double kmh = 0.0;
-    (void)std::from_chars(text.data(), text.data() + text.size(), kmh);
-    return kmh;
-  }
-  return speed_of_context(laws, text);
+  double kmh = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [rest, failed] = std::from_chars(text.data(), end, kmh);
+  return failed == std::errc() && rest == end ? kmh : speed_of_context(laws, text);
 }
 
 /// A list of limits, one per lane, with numbers for the cases in it.

@@ -268,7 +268,8 @@ class MiniRoundabout {
     ring.bridge = of.bridge, ring.tunnel = of.tunnel;
     ring.oneway = Oneway::forward, ring.roundabout = true;
     ring.lanes = 1, ring.width_source = WidthSource::tag;
-    ring.use = of.use, ring.speed_limit_kmh = of.speed_limit_kmh;
+    ring.use = of.use;
+    ring.speed_limit_kmh = of.speed_limit_kmh, ring.speed_context = of.speed_context;
     ring.surface = of.surface, ring.known_surface = of.known_surface;
     const RingHeight height(arms_);
     for (std::size_t k = 0; k < arms_.size(); ++k) {

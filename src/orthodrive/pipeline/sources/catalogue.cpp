@@ -277,6 +277,10 @@ PlaceRules rules_at(const Crs& crs, const Box2& box) {
   return country ? PlaceRules{country->id, country->driving_side} : PlaceRules{};
 }
 
+DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& crs, const Box2& box) {
+  return told ? *told : rules_at(crs, box).driving_side;
+}
+
 void check_country(const std::string& id) {
   std::vector<std::string> known;
   for (const Country& country : read_countries(catalogue_folder())) known.push_back(country.id);

@@ -71,6 +71,8 @@ struct PlaceRules {
   DrivingSide driving_side = DrivingSide::right;
 };
 [[nodiscard]] PlaceRules rules_at(const Crs& crs, const Box2& box);
+/// The side that was told, else that of rules_at().
+[[nodiscard]] DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& crs, const Box2& box);
 /// Throws OptionError, with the closest id, for what is no country of countries.toml and has no law of its own.
 void check_country(const std::string& id);
 /// Reads speed_limits.toml of a folder, without `here`; throws as read_catalogue().

@@ -53,8 +53,7 @@ StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& opt
   const io::DriveLogs& logs = context.sources.drive_logs(files.drive_logs, site);
   ElevateRoadsOptions elevate = options.elevate;
   const io::ControlPoints& control = context.sources.control_points(files.control_points, site);
-  elevate.banking.driving_side =
-      options.driving_side ? *options.driving_side : rules_at(site.crs, bounds_of(site.area.outer)).driving_side;
+  elevate.banking.driving_side = driving_side_in(options.driving_side, site.crs, bounds_of(site.area.outer));
   elevate.heights.control_points = control.points;
   elevate.heights.threads = elevate.banking.threads = context.threads;
   const ElevateRoadsResult elevated = elevate_roads(roads, terrain.dtms, logs.log, elevate, context.monitor);

@@ -104,7 +104,8 @@ NetworkResult network_of(const RoadNetwork& roads, const NetworkFiles& files, co
   of_network.threads = context.threads;
   of_network.exchange = context.exchange;
   if (!options.country.empty()) check_country(options.country);
-  const PlaceRules here = roads.paths.empty() ? PlaceRules{} : rules_at(roads.crs, bounds_of_roads(roads));
+  const bool is_told = options.driving_side && !options.country.empty();
+  const PlaceRules here = is_told || roads.paths.empty() ? PlaceRules{} : rules_at(roads.crs, bounds_of_roads(roads));
   of_network.driving_side = options.driving_side.value_or(here.driving_side);
   of_network.speed_laws = read_speed_laws(catalogue_folder());
   of_network.speed_laws.here = options.country.empty() ? here.country : options.country;

@@ -63,8 +63,7 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
   if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   const LabelMap labels = io::read_labels(files.labels);
   const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
-  standard.driving_side =
-      options.driving_side ? *options.driving_side : rules_at(site.crs, bounds_of(site.area.outer)).driving_side;
+  standard.driving_side = driving_side_in(options.driving_side, site.crs, bounds_of(site.area.outer));
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
   RefinedRoads result =
