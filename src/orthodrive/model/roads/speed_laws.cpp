@@ -46,14 +46,19 @@ const Case* find_case(std::string_view name) {
   return found == std::end(cases) ? nullptr : found;
 }
 
+std::optional<double> number_of(std::string_view text) {
+  double value = 0.0;
+  const auto [rest, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failed != std::errc() || rest != text.data() + text.size()) return {};
+  return value;
+}
+
 /// Of "30", "zone30", "zone:30": the number, in the country's unit.
 std::optional<double> zone_number(std::string_view name) {
   if (name.starts_with("zone")) name.remove_prefix(4);
   if (name.starts_with(':')) name.remove_prefix(1);
-  double value = 0.0;
-  const auto [rest, failed] = std::from_chars(name.data(), name.data() + name.size(), value);
-  if (failed != std::errc() || rest != name.data() + name.size() || !(value > 0.0 && value < 200.0)) return {};
-  return value;
+  const std::optional<double> value = number_of(name);
+  return value && *value > 0.0 && *value < 200.0 ? value : std::nullopt;
 }
 
 /// The case whose limit holds where a law has none of its own for one; null: the world's.
@@ -89,10 +94,8 @@ double unit_kmh(const SpeedLaws& laws, std::string_view country) {
 }
 
 double numbered_or_named(const SpeedLaws& laws, std::string_view text) {
-  double kmh = 0.0;
-  const char* end = text.data() + text.size();
-  const auto [rest, failed] = std::from_chars(text.data(), end, kmh);
-  return failed == std::errc() && rest == end ? kmh : speed_of_context(laws, text);
+  const std::optional<double> number = number_of(text);
+  return number ? *number : speed_of_context(laws, text);
 }
 
 /// A list of limits, one per lane, with numbers for the cases in it.
