@@ -1,23 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""check_headers.py finds a header that needs another one before it, and asks each that no other one proves."""
+"""tools/lint finds a header that needs another one before it, and asks each that no other one proves."""
 
 import json
 import pathlib
+import sys
 import tempfile
 import unittest
 
-import check_headers
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "tools"))
+from linting import headers
+from linting.common import Work
 
 
 class CheckHeaders(unittest.TestCase):
-    def check(self, files):
+    def check(self, files, changed=None, most=None):
+        """The headers that have faults."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             for name, text in files.items():
                 (root / "src/room").mkdir(parents=True, exist_ok=True)
                 (root / "src/room" / name).write_text("#pragma once\n" + text)
             (root / "compile_commands.json").write_text(json.dumps([{"command": "/usr/bin/ccache c++ -c a.cpp"}]))
-            return [said.split(" ")[0] for said in check_headers.check(root, root)]
+            work = Work([], [], [f"src/room/{name}" for name in changed or files], most, 2)
+            said = headers.check(root, root, work)
+            return [line.split(" ")[0] for line in said if line.endswith(" does not compile alone:")]
 
     def test_a_header_alone(self):
         self.assertEqual(self.check({"a.hpp": "#include <vector>\nstd::vector<int> a();\n"}), [])
@@ -34,11 +40,21 @@ class CheckHeaders(unittest.TestCase):
             ["room/b.hpp"],
         )
 
+    def test_what_includes_a_changed_header_is_asked_too(self):
+        files = {
+            "a.hpp": "",
+            "b.hpp": '#include <vector>\n#include "room/a.hpp"\nstd::string b();\n',
+            "c.hpp": "std::string c();\n",
+        }
+        self.assertEqual(self.check(files, ["a.hpp"]), ["room/b.hpp"])
+        self.assertEqual(self.check(files, ["c.hpp"]), ["room/c.hpp"])
+        self.assertEqual(self.check(files, ["c.hpp", "a.hpp"], most=1), ["room/c.hpp"])
+
     def test_what_proves_what(self):
         texts = {"a": "", "b": '#include "a"\n', "c": '#include <x>\n#include "b"\n', "d": '#include "b"\n'}
-        self.assertEqual(check_headers.to_compile(texts), ["c", "d"])
+        self.assertEqual(headers.to_compile(texts), ["c", "d"])
         ring = {"a": '#include "b"\n', "b": '#include "a"\n'}
-        self.assertEqual(check_headers.to_compile(ring), ["a", "b"])
+        self.assertEqual(headers.to_compile(ring), ["a", "b"])
 
 
 if __name__ == "__main__":

@@ -20,10 +20,11 @@ class SkippedError(Exception):
 class Work:
     """What a run looks at."""
 
-    files: list[str]  # the names of all files, relative to ROOT
-    tidy: list[
-        str
-    ]  # those whose findings clang-tidy is asked for: quick checks look at all files, this one takes seconds a file
+    files: list[str]  # the names of all files, relative to ROOT: quick checks look at them
+    # What takes seconds a file: sources that clang-tidy is asked for; headers, and with them those that include them.
+    tidy: list[str]
+    headers: list[str]
+    most: int | None  # headers; None is all
     jobs: int
 
 

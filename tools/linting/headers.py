@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each header of src compiles alone: `c++ -fsyntax-only` on it, with the folders of headers that the build uses.
 
-    check_headers.py ROOT BUILD
-
 A header that another one includes first, before anything else, is proved by that one: it is read there as if alone.
-One that passed is not read again before it or a header of ours that it includes changes: stamps lie in BUILD/headers.
+One that passed is not read again before it or a header of ours that it includes changes: stamps lie in
+build/release/headers.
 """
 
 import concurrent.futures
 import hashlib
 import json
-import os
-import pathlib
 import re
 import subprocess
 import sys
 
+from .common import ROOT, SkippedError
+
+BUILD = ROOT / "build/release"
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -62,7 +62,14 @@ def flags_of(build):
     return [compiler, "-std=c++20", "-DFMT_SHARED", *(word for found in flags for word in found)]
 
 
-def check(root, build):
+def those_that_reach(changed, names, texts):
+    """The headers that include one of `changed`, or are it; what includes the first of them comes first."""
+    place = {name: i for i, name in reversed(list(enumerate(changed)))}
+    first = {name: min((place[n] for n in reaches(name, texts, set()) if n in place), default=None) for name in names}
+    return sorted((n for n in names if first[n] is not None), key=first.get)
+
+
+def check(root, build, work):
     """What the compiler says of each header that does not compile alone."""
     src, stamps = root / "src", build / "headers"
     stamps.mkdir(parents=True, exist_ok=True)
@@ -73,21 +80,21 @@ def check(root, build):
         parts = sorted(reaches(name, texts, set()))
         key = hashlib.sha256(json.dumps([command, [(p, texts[p]) for p in parts]]).encode()).hexdigest()
         if (stamps / key).exists():
-            return ""
+            return []
         run = subprocess.run(command, input=f'#include "{name}"\n', capture_output=True, text=True, check=False)
         if run.returncode == 0:
             (stamps / key).touch()
-            return ""
-        return f"{name} does not compile alone:\n{run.stderr}"
+            return []
+        return [f"{name} does not compile alone:", *run.stderr.splitlines()]
 
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        names = to_compile(texts)
-        faults = [said for said in pool.map(one, names) if said]
-    print(f"headers: {len(texts)}, of which {len(names)} were asked alone; {len(faults)} faults")
-    return faults
+    names = those_that_reach([n.removeprefix("src/") for n in work.headers], to_compile(texts), texts)
+    if left := names[work.most :]:
+        print(f"lint: SKIPPED {len(left)} headers that include changed ones (tools/lint --all)", file=sys.stderr)
+    with concurrent.futures.ThreadPoolExecutor(work.jobs) as pool:
+        return [line for said in pool.map(one, names[: work.most]) for line in said]
 
 
-if __name__ == "__main__":
-    found = check(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))
-    print("\n".join(found))
-    sys.exit(1 if found else 0)
+def check_headers(work):
+    if not (BUILD / "compile_commands.json").exists():
+        raise SkippedError("no build/release/compile_commands.json: tools/build writes it")
+    return check(ROOT, BUILD, work)
