@@ -99,10 +99,23 @@ TEST(Topology, a_way_goes_before_a_straighter_other_one) {
   EXPECT_EQ(told(sharp.topology), "0 2 | 1 | ");
 }
 
-TEST(Topology, two_ends_alone_run_on_however_they_bend) {
-  const auto built = build({make_path({{0, 0}, {60, 0}}, {1, 2}), make_path({{0, 5}, {60, 0}}, {3, 2}, {.osm_id = 2})});
-  EXPECT_EQ(told(built.topology), "0 -1 | ");
-  EXPECT_FALSE(vertex_of(built.topology, 2).is_junction());
+TEST(Topology, two_ends_alone_run_on_but_where_the_road_turns_back) {
+  const auto two_ways = [](Vec2 from, Oneway oneway, bool into) {
+    std::vector<Vec2> corners{from, {60, 0}};
+    std::vector<std::int64_t> ids{3, 2};
+    if (!into) std::ranges::reverse(corners), std::ranges::reverse(ids);
+    return build({make_path({{0, 0}, {60, 0}}, {1, 2}, {.oneway = oneway}),
+                  make_path(corners, ids, {.osm_id = 2, .oneway = oneway})});
+  };
+  const auto bends = two_ways({20, 30}, Oneway::no, true);
+  EXPECT_EQ(told(bends.topology), "0 -1 | ");
+  EXPECT_FALSE(vertex_of(bends.topology, 2).is_junction());
+  const auto turns = two_ways({0, 5}, Oneway::forward, false);
+  EXPECT_EQ(told(turns.topology), "0 | 1 | ");
+  EXPECT_TRUE(vertex_of(turns.topology, 2).is_junction()) << "its connecting road turns";
+  const auto ends = two_ways({0, 5}, Oneway::forward, true);
+  EXPECT_EQ(told(ends.topology), "0 | 1 | ");
+  EXPECT_FALSE(vertex_of(ends.topology, 2).is_junction()) << "two one-way roads that end there";
 }
 
 TEST(Topology, lanes_that_shift_make_a_junction_of_two_ends) {

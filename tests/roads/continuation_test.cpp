@@ -40,7 +40,25 @@ TEST(Continuation, bends_up_to_the_bound_run_on) {
   EXPECT_FALSE(runs_on(100.1, true, way_continuation));
   EXPECT_TRUE(runs_on(39.9, false, piece_continuation));
   EXPECT_FALSE(runs_on(40.1, false, piece_continuation));
-  EXPECT_TRUE(runs_on(180.0, true, piece_continuation)) << "there is no junction that could hold a connecting road";
+  EXPECT_TRUE(runs_on(149.9, true, piece_continuation));
+  EXPECT_FALSE(runs_on(150.1, true, piece_continuation)) << "it turns back in a junction";
+}
+
+TEST(Continuation, one_way_roads_that_both_leave_a_place_run_on_where_they_go_straight_on) {
+  RoadPath one_way;
+  one_way.oneway = Oneway::forward;
+  const RoadPath two_way;
+  const auto runs_on = [&](double bend_deg, const RoadPath& b, bool a_at_last, bool b_at_last) {
+    const std::vector<MeetingEnd> ends{{towards(180.0), &one_way, -1, a_at_last},
+                                       {towards(bend_deg), &b, -1, b_at_last}};
+    return pair_ends(ends, true, piece_continuation)[0].has_value();
+  };
+  for (const bool arrives : {false, true}) {
+    EXPECT_FALSE(runs_on(140.0, one_way, arrives, arrives)) << "two slip roads whose road is not on the map";
+    EXPECT_TRUE(runs_on(39.9, one_way, arrives, arrives)) << "one of them is drawn the wrong way";
+    EXPECT_TRUE(runs_on(140.0, one_way, arrives, !arrives));
+    EXPECT_TRUE(runs_on(140.0, two_way, arrives, arrives));
+  }
 }
 
 TEST(Continuation, of_several_the_straightest_pair_is_taken_first) {

@@ -14,6 +14,7 @@
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/line/ease_arms.hpp"
 #include "orthodrive/network/line/leave_room.hpp"
+#include "orthodrive/network/line/level_beside.hpp"
 #include "orthodrive/network/line/raise_humps.hpp"
 #include "orthodrive/network/line/road_cuts.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
@@ -51,7 +52,7 @@ void set_bounds(roadquery::RoadMap& map) {
     }
 }
 
-/// Ways so short that the junctions at their ends took all of them.
+/// Ways so short that the junctions at their ends took all of them, or the next road did.
 void report_lost_ways(const RoadNetwork& roads, const roadquery::RoadMap& map, Findings& findings) {
   std::set<std::string> kept;
   for (const roadquery::Road& road : map.roads)
@@ -60,8 +61,9 @@ void report_lost_ways(const RoadNetwork& roads, const roadquery::RoadMap& map, F
     if (!path.nodes.empty() && kept.count(std::to_string(path.osm_id)) == 0)
       findings.push_back(
           {Severity::info, "network.way_in_junction",
-           fmt::format("way {} ({}) is so short that it lies inside a junction and has no road of its own", path.osm_id,
-                       path.highway),
+           fmt::format("way {} ({}) is so short that it has no road of its own: it lies inside a junction, or has the "
+                       "lanes of the road that it goes on to",
+                       path.osm_id, path.highway),
            path.nodes.front().p.x, path.nodes.front().p.y});
 }
 
@@ -137,6 +139,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
   ease_arms(roads, topology, junctions, cuts, geometry);
   end_before_roads(roads, topology, junctions, geometry, cuts);
+  level_beside(roads, topology, junctions, cuts, geometry);
   leave_room_beside(roads, topology, junctions, cuts, geometry);
   const std::vector<RaisedHump> humps = raise_humps(roads, topology, junctions, cuts, geometry, result.findings);
   progress(0.9);

@@ -18,6 +18,20 @@ Vec2 direction_into(std::span<const Vec2> line, const ContinuationRule& rule) {
   return normalized(point_at(line, reach_m) - line.front());
 }
 
+namespace {
+
+/// Nobody may drive from one into the other, either way round.
+bool is_closed(const MeetingEnd& a, const MeetingEnd& b) {
+  return a.path->oneway != Oneway::no && b.path->oneway != Oneway::no && a.at_last == b.at_last;
+}
+
+double largest_bend_rad(const MeetingEnd& a, const MeetingEnd& b, bool alone, const ContinuationRule& rule) {
+  if (alone && !is_closed(a, b)) return rule.max_bend_alone_rad;
+  return a.ring >= 0 && a.ring == b.ring ? rule.max_bend_on_ring_rad : rule.max_bend_rad;
+}
+
+}  // namespace
+
 std::vector<std::optional<std::size_t>> pair_ends(std::span<const MeetingEnd> ends, bool alone,
                                                   const ContinuationRule& rule) {
   struct Candidate {
@@ -32,8 +46,7 @@ std::vector<std::optional<std::size_t>> pair_ends(std::span<const MeetingEnd> en
       const RoadPath &from = *ends[a].path, &to = *ends[b].path;
       const bool on_ring = ends[a].ring >= 0 && ends[a].ring == ends[b].ring;
       const double bend = bend_rad(ends[a], ends[b]);
-      if (!(bend < (alone ? rule.max_bend_alone_rad : on_ring ? rule.max_bend_on_ring_rad : rule.max_bend_rad)))
-        continue;
+      if (!(bend < largest_bend_rad(ends[a], ends[b], alone, rule))) continue;
       const double cost = bend + (from.highway != to.highway ? rule.other_class_rad : 0.0) +
                           (from.name != to.name ? rule.other_name_rad : 0.0);
       candidates.push_back({!on_ring, rule.same_way_first && &from != &to, cost, a, b});

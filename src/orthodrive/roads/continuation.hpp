@@ -4,7 +4,6 @@
 // the chains of whole ways (path_links.hpp) that refine, elevate and the drive logs work on, and the chains of pieces
 // of way (network/topology/topology.hpp) from which the network stage cuts its roads.
 
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -21,7 +20,8 @@ struct ContinuationRule {
   double look_ahead_share = 1.0;  ///< but at most this share of the line's length
   /// Two ends run on into each other where the road bends by less than this.
   double max_bend_rad = 0.0;
-  /// The same for two ends at a node where nothing else arrives: a road may bend sharply between two junctions.
+  /// The same for two ends at a node where nothing else arrives: a road may bend sharply between two junctions. Two
+  /// one-way roads that both leave the node, or both end there, are no such road: what joined them is not on the map.
   double max_bend_alone_rad = 0.0;
   /// The same for two ends of one roundabout, which go before all others: small rings are drawn with few nodes.
   double max_bend_on_ring_rad = 0.0;
@@ -47,12 +47,12 @@ constexpr ContinuationRule way_continuation{.look_ahead_m = 10.0,
 /// Pieces of way between vertices, for OpenDRIVE's reference lines. A way runs on through its own junctions before any
 /// other. The bound is tighter than that of whole ways: a line that bends more than 40 degrees inside a junction
 /// becomes a reference line with a corner, while a connecting road takes the turn at a radius that can be driven. Two
-/// ends alone always run on: there is no junction that could hold a connecting road. Pieces may be short, so only their
-/// nearer half counts for the direction.
+/// ends alone run on unless the road turns back beside itself: then their node is a junction whose connecting road
+/// turns (network/topology/road_pieces.hpp). Pieces may be short, so only their nearer half counts for the direction.
 constexpr ContinuationRule piece_continuation{.look_ahead_m = 8.0,
                                               .look_ahead_share = 0.5,
                                               .max_bend_rad = 40.0 * continuation_degree,
-                                              .max_bend_alone_rad = std::numeric_limits<double>::infinity(),
+                                              .max_bend_alone_rad = 150.0 * continuation_degree,
                                               .max_bend_on_ring_rad = 90.0 * continuation_degree,
                                               .other_class_rad = 0.0,
                                               .other_name_rad = 0.0,
@@ -63,6 +63,7 @@ struct MeetingEnd {
   Vec2 direction;                  ///< unit vector from the place into the road
   const RoadPath* path = nullptr;  ///< whose end or piece it is
   int ring = -1;                   ///< roundabout that it is part of, -1 for none
+  bool at_last = false;            ///< the road's last end, else its first: of a one-way road one arrives at the place
 };
 
 /// How much a road bends that comes out of one end and goes on into the other, 0 (straight on) .. pi.

@@ -34,7 +34,7 @@ MeetingEnd arm_of(const RoadPath& path, std::size_t node, bool forward, const Co
     for (std::size_t i = node; i < path.nodes.size(); ++i) line.push_back(path.nodes[i].p);
   else
     for (std::size_t i = node + 1; i-- > 0;) line.push_back(path.nodes[i].p);
-  return {direction_into(line, rule), &path, -1};
+  return {direction_into(line, rule), &path, -1, !forward};
 }
 
 bool is_corner(const RoadNetwork& roads, const std::vector<Visit>& visits, const Visit& own,

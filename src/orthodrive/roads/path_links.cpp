@@ -20,7 +20,7 @@ const RoadNode& node_of(const RoadNetwork& roads, PathEnd end) {
 MeetingEnd meeting_end(const RoadNetwork& roads, PathEnd end, int ring, const ContinuationRule& rule) {
   Polyline line = centerline(roads.paths[end.path]);
   if (end.at_back) std::reverse(line.begin(), line.end());
-  return {direction_into(line, rule), &roads.paths[end.path], ring};
+  return {direction_into(line, rule), &roads.paths[end.path], ring, end.at_back};
 }
 
 }  // namespace

@@ -413,6 +413,29 @@ class PathMaker {
   int part_ = 0;
 };
 
+/// From south-west to north-east by the first place that differs, so that numbers of objects, which editors and
+/// extracts choose, decide nothing. Halves of one way stay together.
+void sort_by_place(std::vector<DrivableWay>& ways, const NodePlaces& places) {
+  const auto line_of = [&](const DrivableWay& way) {
+    std::vector<std::pair<double, double>> line;
+    line.reserve(way.nodes.size());
+    for (const std::int64_t node : way.nodes)
+      if (const Vec2 p = places.lonlat(node); !std::isnan(p.x)) line.emplace_back(p.x, p.y);
+    return line;
+  };
+  std::map<std::int64_t, std::vector<std::pair<double, double>>> first_of;
+  for (const DrivableWay& way : ways) {
+    auto line = line_of(way);
+    const auto [it, is_new] = first_of.try_emplace(way.id, line);
+    if (!is_new) it->second = std::min(it->second, line);
+  }
+  std::ranges::stable_sort(ways, [&](const DrivableWay& a, const DrivableWay& b) {
+    if (a.id == b.id) return line_of(a) < line_of(b);
+    const auto &of_a = first_of.at(a.id), &of_b = first_of.at(b.id);
+    return of_a != of_b ? of_a < of_b : a.id < b.id;
+  });
+}
+
 /// Share of the length of a path, by a sample every 25 m.
 double share_in(const BuiltUpAreas& areas, const RoadPath& path) {
   constexpr double sample_m = 25.0;
@@ -448,6 +471,7 @@ RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, cons
   ways = unique_ways(std::move(ways));
   NodePlaces places(ways);
   for_each_file(files, [&](const std::filesystem::path& path) { places.read(path); });
+  sort_by_place(ways, places);
   RoadNetwork roads{.crs = site.crs};
   PathMaker maker(site, places, findings);
   for (const DrivableWay& way : ways) maker.add(way, roads.paths);

@@ -20,8 +20,8 @@ namespace orthodrive::io {
 /// the area. An object that is in several files counts once: its latest version, of equal ones that of the first file;
 /// halves of a way that extracts cut are joined. Objects may stand in any order.
 /// Nodes carry their OSM id, width_m = width tag (metres) or default_width_m, offset 0. Where a way leaves the area it
-/// is cut (no_osm_node there) and its pieces are counted. Sorted by osm_id, then part. Throws InputError for a missing
-/// or truncated file and when no road lies in the area (says where the roads
+/// is cut (no_osm_node there) and its pieces are counted. From south-west to north-east, whatever their ids, then by
+/// part. Throws InputError for a missing or truncated file and when no road lies in the area (says where the roads
 /// lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
 /// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
 /// lanes and speed that contradict each other or cannot be read, with what was taken), "osm.tag_not_read" (for each tag

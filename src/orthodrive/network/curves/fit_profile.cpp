@@ -100,6 +100,24 @@ Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double 
   return {s0, v0, slope0, (3.0 * mean - 2.0 * slope0 - slope1) / l, (slope0 + slope1 - 2.0 * mean) / (l * l)};
 }
 
+void add_cubic(std::vector<Cubic>& cubics, const Cubic& more, double end) {
+  constexpr double same_joint_m = 1e-6;
+  const auto from_later = [](const Cubic& c, double s) {
+    return Cubic{s, value_at(c, s), slope_at(c, s), c.c + 3.0 * c.d * (s - c.s), c.d};
+  };
+  if (cubics.empty()) cubics.push_back({});
+  for (const double s : {more.s, end}) {
+    const auto after = std::ranges::upper_bound(cubics, s + same_joint_m, {}, &Cubic::s);
+    if (after != cubics.begin() && s - (after - 1)->s >= same_joint_m)
+      cubics.insert(after, from_later(*(after - 1), s));
+  }
+  for (Cubic& c : cubics) {
+    if (c.s < more.s - same_joint_m || c.s >= end - same_joint_m) continue;
+    const Cubic here = from_later(more, c.s);
+    c.a += here.a, c.b += here.b, c.c += here.c, c.d += here.d;
+  }
+}
+
 ProfileFit fit_profile(std::span<const ProfileSample> all, const FitProfileOptions& options) {
   assert(!all.empty());
   const std::vector<ProfileSample> samples = without_repeats(all);

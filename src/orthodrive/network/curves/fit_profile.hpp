@@ -38,6 +38,9 @@ struct ProfileFit {
 [[nodiscard]] double slope_at(std::span<const roadquery::Cubic> cubics, double s);
 /// The cubic with these values and slopes at both ends.
 [[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
+/// Adds `more` from its own s to `end`, where the profile gets joints unless it has one there. A profile of no pieces
+/// is 0 everywhere.
+void add_cubic(std::vector<roadquery::Cubic>& cubics, const roadquery::Cubic& more, double end);
 /// The part from s0 to s1 with s from 0.
 [[nodiscard]] std::vector<roadquery::Cubic> slice_profile(std::span<const roadquery::Cubic> cubics, double s0,
                                                           double s1);

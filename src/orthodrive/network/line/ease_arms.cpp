@@ -132,29 +132,6 @@ class MainRoads {
   std::vector<std::vector<Main>> in_junction_;
 };
 
-/// Adds the cubic `change` from its s to `end`.
-void add_cubic(std::vector<Cubic>& cubics, const Cubic& change, double end) {
-  if (cubics.empty()) cubics.push_back({});
-  const auto split = [&](double s) {
-    const auto after =
-        std::upper_bound(cubics.begin(), cubics.end(), s, [](double v, const Cubic& c) { return v < c.s; });
-    if (after == cubics.begin()) return;
-    const Cubic before = *(after - 1);
-    constexpr double same_m = 1e-9;
-    if (s - before.s < same_m) return;
-    const double ds = s - before.s;
-    cubics.insert(after, {s, value_at(before, s), slope_at(before, s), before.c + 3.0 * before.d * ds, before.d});
-  };
-  split(change.s), split(end);
-  for (std::size_t i = 0; i < cubics.size(); ++i) {
-    Cubic& c = cubics[i];
-    const double middle = i + 1 < cubics.size() ? 0.5 * (c.s + cubics[i + 1].s) : c.s + 1e-6;
-    if (middle < change.s || middle > end) continue;
-    const double ds = c.s - change.s;
-    c.a += value_at(change, c.s), c.b += slope_at(change, c.s), c.c += change.c + 3.0 * change.d * ds, c.d += change.d;
-  }
-}
-
 double limited(double value, double limit) { return std::clamp(value, -limit, limit); }
 
 struct Change {

@@ -20,28 +20,6 @@ constexpr double same_break_m = 1e-6;
 constexpr double shortest_plateau_m = 1.0;  // of a way that is a table
 constexpr double longer_share = 3.0;        // of a way than a hump that lies somewhere on it
 
-/// The same cubic from a later s on.
-roadquery::Cubic from_later(const roadquery::Cubic& c, double s) {
-  const double ds = s - c.s;
-  return {s, c.a + ds * (c.b + ds * (c.c + ds * c.d)), c.b + ds * (2.0 * c.c + 3.0 * ds * c.d), c.c + 3.0 * ds * c.d,
-          c.d};
-}
-
-void put_break(std::vector<roadquery::Cubic>& profile, double s) {
-  const auto after = std::ranges::upper_bound(profile, s + same_break_m, {}, &roadquery::Cubic::s);
-  if (after == profile.begin() || s - (after - 1)->s < same_break_m) return;
-  profile.insert(after, from_later(*(after - 1), s));
-}
-
-/// Adds a cubic to the profile over [from, to), both of which are breaks.
-void add_to_profile(std::vector<roadquery::Cubic>& profile, const roadquery::Cubic& more, double to) {
-  for (roadquery::Cubic& piece : profile) {
-    if (piece.s < more.s - same_break_m || piece.s >= to - same_break_m) continue;
-    const roadquery::Cubic here = from_later(more, piece.s);
-    piece.a += here.a, piece.b += here.b, piece.c += here.c, piece.d += here.d;
-  }
-}
-
 /// Where a hump is wished: its middle on a chain.
 struct Wish {
   ChainIndex chain;
@@ -195,12 +173,10 @@ class HumpRaiser {
 }  // namespace
 
 void add_hump(std::vector<roadquery::Cubic>& profile, double begin, double ramp_m, double plateau_m, double height_m) {
-  if (profile.empty()) profile.push_back({});
   const double top = begin + ramp_m, down = top + plateau_m, end = down + ramp_m;
-  for (const double s : {begin, top, down, end}) put_break(profile, s);
-  add_to_profile(profile, hermite(begin, top, 0.0, height_m, 0.0, 0.0), top);
-  if (plateau_m > 0.0) add_to_profile(profile, {top, height_m, 0.0, 0.0, 0.0}, down);
-  add_to_profile(profile, hermite(down, end, height_m, 0.0, 0.0, 0.0), end);
+  add_cubic(profile, hermite(begin, top, 0.0, height_m, 0.0, 0.0), top);
+  if (plateau_m > 0.0) add_cubic(profile, {top, height_m, 0.0, 0.0, 0.0}, down);
+  add_cubic(profile, hermite(down, end, height_m, 0.0, 0.0, 0.0), end);
 }
 
 std::vector<RaisedHump> raise_humps(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,

@@ -6,14 +6,17 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
+#include "orthodrive/network/lanes/lanes.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {
 
-constexpr double min_part_m = 0.5;   // shorter pieces of way are left to the road before them
+constexpr double min_part_m = 0.5;   // shorter pieces of way are left to the road before or behind them
+constexpr double min_lanes_m = 5.0;  // the same where numbers of lanes change: none can begin or end in less
 constexpr double min_split_m = 0.8;  // shorter roads are not divided
 constexpr double sample_m = 2.0;     // step of polylines: SUMO's default
 // SUMO warns below 9 m; a car at walking pace turns with 5 - 6 m.
@@ -94,8 +97,11 @@ class StretchCuts {
         stretch_(stretch) {
     const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
     cuts_.push_back(begin);
-    for (const double s : geometry.vertex_s)
-      if (s > cuts_.back() + min_part_m && s < end - min_part_m) cuts_.push_back(s);
+    for (std::size_t k = 1; k + 1 < geometry.vertex_s.size(); ++k) {
+      const double s = geometry.vertex_s[k],
+                   least_m = have_same_lanes(k - 1, k) || !same_level(k - 1, k) ? min_part_m : min_lanes_m;
+      if (s > cuts_.back() + least_m && s < end - least_m) cuts_.push_back(s);
+    }
     cuts_.push_back(end);
   }
 
@@ -117,7 +123,7 @@ class StretchCuts {
     const std::size_t last = cuts_.size() - 1;
     if (!ring) move(0, 0.0, stretch_.vertex0 ? outwards_m : dead_end_m);
     for (std::size_t k = 1; k < last; ++k) {
-      const double reach = same_level(k) ? along_m : abutment_m;
+      const double reach = same_level(piece_before(k), piece_before(k + 1)) ? along_m : abutment_m;
       move(k, -reach, reach);
     }
     if (!ring) move(last, stretch_.vertex1 ? -outwards_m : -dead_end_m, 0.0);
@@ -125,21 +131,32 @@ class StretchCuts {
   }
 
  private:
-  [[nodiscard]] DirectedPiece piece(double s0, double s1) const {
-    return chain_.pieces[piece_at(geometry_, 0.5 * (s0 + s1))];
+  /// Index along the chain of the piece in the middle of the road before a cut.
+  [[nodiscard]] std::size_t piece_before(std::size_t cut) const {
+    return piece_at(geometry_, 0.5 * (cuts_[cut - 1] + cuts_[cut]));
   }
   /// All lanes of a one-way road lie to one side of its centre lane, half the width beside the reference line.
   [[nodiscard]] RoadSide side(std::size_t road) const {
-    const DirectedPiece part = piece(cuts_[road], cuts_[road + 1]);
+    const DirectedPiece part = chain_.pieces[piece_before(road + 1)];
     const bool one_way = roads_.paths[topology_.pieces[part.piece].path].oneway == Oneway::forward;
     const double left = part.reversed == (driving_side_ == DrivingSide::left) ? 1.0 : -1.0;
     return {part.reversed, one_way ? left * 0.5 * width_at(geometry_, 0.5 * (cuts_[road] + cuts_[road + 1])) : 0.0};
   }
-  [[nodiscard]] bool same_level(std::size_t cut) const {
-    const auto path = [&](std::size_t road) -> const RoadPath& {
-      return roads_.paths[topology_.pieces[piece(cuts_[road], cuts_[road + 1]).piece].path];
+  /// Whether as many lanes go on from a piece of the chain to the next one.
+  [[nodiscard]] bool have_same_lanes(std::size_t before, std::size_t behind) const {
+    const auto lanes_of = [&](std::size_t k) {
+      const std::vector<ProfileSample>& widths = geometry_.widths[k];
+      const LaneLayout layout = lane_layout(path_of(k), widths[widths.size() / 2].value, driving_side_);
+      const bool reversed = chain_.pieces[k].reversed;
+      return std::tuple(reversed ? layout.right : layout.left, reversed ? layout.left : layout.right, layout.both_ways);
     };
-    const RoadPath &a = path(cut - 1), &b = path(cut);
+    return lanes_of(before) == lanes_of(behind);
+  }
+  [[nodiscard]] const RoadPath& path_of(std::size_t piece) const {
+    return roads_.paths[topology_.pieces[chain_.pieces[piece].piece].path];
+  }
+  [[nodiscard]] bool same_level(std::size_t before, std::size_t behind) const {
+    const RoadPath &a = path_of(before), &b = path_of(behind);
     return a.bridge == b.bridge && a.tunnel == b.tunnel && a.layer == b.layer;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "orthodrive/geo/segment.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 constexpr double corner_m = 4.0, corner_per_narrow_m = 4.0, calm_lane_m = 2.75;
 constexpr double joint_taper_m =
     10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
+constexpr double turn_back_m = 25.0;   // and where a road turns back beside itself, at most
 constexpr double fork_reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double stretch_step_m = 0.5;
 constexpr double narrowest_carriageway_m = 1.5;  // no carriageway is narrower
@@ -23,6 +25,7 @@ constexpr double narrowest_carriageway_m = 1.5;  // no carriageway is narrower
 // share no traffic and make room for each other from there on (room_beside.hpp). Slip roads part for good.
 constexpr double parted_share = 0.6;
 const double side_by_side_sine = std::sin(15.0 * std::numbers::pi / 180.0);
+constexpr double beside_gap_m = 1.5;  // a kerb between the carriageways of one road
 constexpr double clear_m = 3.0;       // free of the others for this long counts as having left them
 constexpr double fork_part_m = 15.0;  // roads of two junctions that lie on each other have parted within this: a fork
 constexpr double min_rest_m = 1.0;    // what is left of a road between two junctions
@@ -148,6 +151,22 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
   return covered_until + corner_m + corner_per_narrow_m * narrow_m;
 }
 
+/// Where on `other` the cross section of an arm at `trim_m` lies, if that is the other carriageway of its road and
+/// close beside it: the distance from the other's vertex.
+std::optional<double> place_beside(const ArmLine& arm, double trim_m, const ArmLine& other) {
+  const std::size_t i = std::min(static_cast<std::size_t>(std::lround(trim_m / stretch_step_m)), arm.center.size() - 1);
+  if (arm.way * other.way >= 0) return std::nullopt;
+  const Vec2 p = arm.center[i], left = normalized(arm.across[i]);
+  for (std::size_t k = 0; k < other.center.size(); ++k) {
+    const Vec2 d = other.center[k] - p;
+    if (std::abs(cross(left, d)) > 0.5 * stretch_step_m) continue;
+    if (std::abs(cross(left, normalized(other.across[k]))) > side_by_side_sine) return std::nullopt;
+    const double gap_m = std::abs(dot(left, d)) - arm.half_width_m[i] - other.half_width_m[k];
+    return gap_m < beside_gap_m ? std::optional(static_cast<double>(k) * stretch_step_m) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
 /// The part of an arm that its road has, up to part_m of it.
 ArmLine road_part(ArmLine line, double trim_m) {
   const auto from = static_cast<std::ptrdiff_t>(std::min(std::ceil(trim_m / stretch_step_m), line.center.size() - 1.0));
@@ -199,6 +218,7 @@ class JunctionPlanner {
     cut_back();
     absorb_inner_roads();
     cut_back();
+    for (const std::vector<Arm>& junction : arms_) align_carriageways(junction);
     for (Stretch& stretch : plan_.stretches)
       if (!stretch.inside) shorten_cuts(stretch);
     number_junctions();
@@ -219,6 +239,13 @@ class JunctionPlanner {
     return part.reversed == at_s1 ? 1 : -1;
   }
 
+  [[nodiscard]] ArmLine line_of(const Arm& arm, double longest_m) const {
+    const Stretch& stretch = plan_.stretches[arm.stretch];
+    ArmLine line = sample_arm(geometry_, stretch, arm.at_s1, longest_m);
+    line.way = way_of(stretch, arm.at_s1);
+    return line;
+  }
+
   void cut_back() {
     arms_ = Table<VertexIndex, std::vector<Arm>>(topology_.vertices.size());  // by the first vertex of the group
     Table<VertexIndex, std::vector<std::size_t>> inner(topology_.vertices.size());
@@ -235,19 +262,37 @@ class JunctionPlanner {
       const std::vector<Arm>& junction = arms_[v];
       std::vector<ArmLine> lines;
       lines.reserve(junction.size() + inner[v].size());
-      for (const Arm& arm : junction) {
-        const Stretch& stretch = plan_.stretches[arm.stretch];
-        lines.push_back(sample_arm(geometry_, stretch, arm.at_s1, fork_reach_m + clear_m));
-        lines.back().way = way_of(stretch, arm.at_s1);
-      }
+      for (const Arm& arm : junction) lines.push_back(line_of(arm, fork_reach_m + clear_m));
       for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
         lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[junction[i].stretch];
-        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1   ? 0.0
-                                                                  : junction.size() == 2 ? joint_taper_m
-                                                                                         : clear_distance_m(lines, i);
+        double& trim_m = junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m;
+        trim_m = junction.size() == 1 ? 0.0 : clear_distance_m(lines, i);
+        if (junction.size() == 2) trim_m = std::clamp(trim_m, joint_taper_m, turn_back_m);
       }
+    }
+  }
+
+  /// The carriageways of one road end side by side, as its stop line and its crossing do: else the one would run on
+  /// beside the junction that the other has already reached. Each keeps what makes it a road of its own.
+  void align_carriageways(const std::vector<Arm>& junction) {
+    std::vector<ArmLine> lines;
+    std::vector<double> trims_m;
+    for (const Arm& arm : junction) {
+      lines.push_back(line_of(arm, 1.5 * fork_reach_m));
+      const Stretch& stretch = plan_.stretches[arm.stretch];
+      trims_m.push_back(arm.at_s1 ? stretch.trim1_m : stretch.trim0_m);
+    }
+    for (std::size_t i = 0; i < junction.size(); ++i) {
+      Stretch& stretch = plan_.stretches[junction[i].stretch];
+      double& trim_m = junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m;
+      const double other_trim_m = junction[i].at_s1 ? stretch.trim0_m : stretch.trim1_m;
+      const double longest_m = stretch.s1 - stretch.s0 - other_trim_m - join_rest_m;
+      for (std::size_t k = 0; k < junction.size(); ++k)
+        if (const std::optional<double> there = place_beside(lines[k], trims_m[k], lines[i]);
+            k != i && there && *there > trim_m && *there <= longest_m)
+          trim_m = *there;
     }
   }
 

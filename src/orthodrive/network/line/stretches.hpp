@@ -32,9 +32,9 @@ struct JunctionPlan {
 
 /// A road ends where its whole cross section has left the carriageways of the other roads of the junction and of the
 /// ways inside it, plus 4 m for the corner, more where two cars meet in less than 5.5 m; the carriageways of one road,
-/// within 15 degrees of each other, have parted when 60 % of their widths has. Two junctions between which less than a
-/// car and its gap (7.5 m) would be left are one, as long as its vertices lie within 40 m; else both cuts are
-/// shortened. A dead end of which nothing would be left has no road.
+/// within 15 degrees of each other, have parted when 60 % of their widths has, and end side by side where less than 1.5
+/// m is between them. Two junctions between which less than a car and its gap (7.5 m) would be left are one, as long as
+/// its vertices lie within 40 m; else both cuts are shortened. A dead end of which nothing would be left has no road.
 [[nodiscard]] JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
                                           const ChainGeometries& geometry);
 

@@ -126,17 +126,25 @@ EndLanes lanes_at(const RoadNetwork& roads, const RoadPieces& road_pieces, const
                      : EndLanes{backward, forward, layout.is_shared()};
 }
 
+/// Of two ends.
+bool turns_back(const RoadNetwork& roads, const RoadPieces& road_pieces, const Vertex& vertex) {
+  const MeetingEnd a{outward(roads, road_pieces, vertex.ends[0])}, b{outward(roads, road_pieces, vertex.ends[1])};
+  return bend_rad(a, b) >= piece_continuation.max_bend_alone_rad;
+}
+
 /// Two ends whose lanes cannot simply go on. Where a two-way road goes on as a one-way road, its lanes move sideways,
 /// as they do where one lane for both directions goes on as one each. Where one with more lanes goes on, every new lane
 /// has to be reached: OpenDRIVE wants a junction where it is not clear which lane follows which (1.7, 8.2). One-way
-/// roads need none: their new lanes taper in beside the others.
+/// roads need none: their new lanes taper in beside the others. Where a road turns back beside itself, its lanes need a
+/// way round; two one-way roads that both leave the node, or both end there, have none.
 void find_lane_shifts(const RoadNetwork& roads, DrivingSide driving_side, RoadPieces& road_pieces) {
   for (Vertex& vertex : road_pieces.vertices) {
     if (vertex.ends.size() != 2) continue;
     const EndLanes a = lanes_at(roads, road_pieces, vertex.ends[0], driving_side);
     const EndLanes b = lanes_at(roads, road_pieces, vertex.ends[1], driving_side);
     const bool a_both = a.in > 0 && a.out > 0, b_both = b.in > 0 && b.out > 0;
-    vertex.lanes_shift = a_both != b_both || a.shared != b.shared || (a_both && (b.out > a.in || a.out > b.in));
+    vertex.lanes_shift = a_both != b_both || a.shared != b.shared || (a_both && (b.out > a.in || a.out > b.in)) ||
+                         (turns_back(roads, road_pieces, vertex) && (a.in > 0 || b.in > 0) && (a.out > 0 || b.out > 0));
   }
 }
 

@@ -36,7 +36,8 @@ struct Vertex {
   std::int64_t osm_node = 0;   ///< 0: an end that is no OSM node
   Vec2 p;                      ///< mean over the ends: paths are refined one by one and may disagree
   std::vector<PieceEnd> ends;  ///< in the order of the pieces
-  /// Two ends whose lanes cannot simply be linked: two-way and one-way, or more lanes than before.
+  /// Two ends whose lanes cannot simply be linked: two-way and one-way, more lanes than before, or the road turns back
+  /// beside itself.
   bool lanes_shift = false;
   [[nodiscard]] bool is_junction() const { return ends.size() >= 3 || lanes_shift; }
 };

@@ -17,7 +17,7 @@ EndLinks<PieceEnd> link_piece_ends(const RoadNetwork& roads, const Topology& top
     meeting.reserve(vertex.ends.size());
     for (const PieceEnd& end : vertex.ends)
       meeting.push_back({outward(roads, topology, end), &roads.paths[topology.pieces[end.piece].path],
-                         topology.ring_of_piece[end.piece]});
+                         topology.ring_of_piece[end.piece], end.at_last});
     const std::vector<std::optional<std::size_t>> partner = pair_ends(meeting, vertex.ends.size() == 2, rule);
     for (std::size_t i = 0; i < partner.size(); ++i)
       if (const std::optional<std::size_t>& other = partner[i]) links[vertex.ends[i]] = vertex.ends[*other];
