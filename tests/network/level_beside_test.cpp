@@ -13,6 +13,8 @@
 namespace orthodrive {
 namespace {
 
+using namespace network_test;
+
 /// On the road of a way that lies there.
 double height_at(const roadquery::RoadMap& map, const std::string& way, Vec2 p) {
   for (const roadquery::Road& road : map.roads) {

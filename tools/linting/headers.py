@@ -88,8 +88,9 @@ def check(root, build, work):
         return [f"{name} does not compile alone:", *run.stderr.splitlines()]
 
     names = those_that_reach([n.removeprefix("src/") for n in work.headers], to_compile(texts), texts)
-    if left := names[work.most :]:
-        print(f"lint: SKIPPED {len(left)} headers that include changed ones (tools/lint --all)", file=sys.stderr)
+    left = len(names) - (work.most or len(names))
+    if left > 0:
+        print(f"lint: SKIPPED {left} headers that include changed ones (tools/lint --all)", file=sys.stderr)
     with concurrent.futures.ThreadPoolExecutor(work.jobs) as pool:
         return [line for said in pool.map(one, names[: work.most]) for line in said]
 
