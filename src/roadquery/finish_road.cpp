@@ -8,6 +8,7 @@
 #include "roadquery/border_widths.hpp"
 #include "roadquery/car_access.hpp"
 #include "roadquery/level_lanes.hpp"
+#include "roadquery/road_extent.hpp"
 #include "roadquery/road_structures.hpp"
 
 namespace roadquery {
@@ -198,6 +199,7 @@ void finish_road(Road& road, RoadParts parts, NoteList& notes) {
   widths_from_borders(road, parts.borders, notes);
   close_lanes_to_cars(road, parts.accesses, notes);
   sort_sections(road, notes);
+  fit_to_road(road, notes);
   add_crossfall(road, parts, notes);
   keep_level_lanes(road);
   finish_structures(road);

@@ -35,7 +35,8 @@ struct RoadParts {
 };
 
 /// Sorts all that goes along the road; of two that stand at one place the later one counts. Then turns borders into
-/// widths, crossfall into shapes, and what `level` means into heights of lanes. Driving lanes that no car may use are
+/// widths, crossfall into shapes, and what `level` means into heights of lanes, and looks how far the elements go
+/// (road_extent.hpp). Driving lanes that no car may use are
 /// of the type `other`. Notes say what was odd.
 void finish_road(Road& road, RoadParts parts, NoteList& notes);
 

@@ -367,10 +367,19 @@ class Builder {
     if (side != "left") parts_.crossfall_right.push_back(cubic(a));
   }
 
+  /// Writers leave links empty where there is nothing to link to; then there is no link.
+  bool names_something(const Attributes& a, std::string_view attribute) {
+    if (!trimmed(a.text(attribute)).empty()) return true;
+    notes.add("opendrive.empty_link", "elements that link have no " + std::string(attribute) + ": they link to nothing",
+              false, here());
+    return false;
+  }
+
   RoadLink read_link(const Attributes& a) {
     const bool junction = a.text("elementType") == "junction";
+    if (!names_something(a, "elementId")) return {};
     const std::string_view id = a.required("elementId");
-    if (trimmed(id).empty() || trimmed(id) == "-1") return {};
+    if (trimmed(id) == "-1") return {};
     return {junction ? LinkKind::junction : LinkKind::road, (junction ? junction_ids_ : road_ids_).number(id),
             a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start};
   }
@@ -478,9 +487,9 @@ class Builder {
     } else if (parent == "lane" && name == "height" && lane_->id != 0) {
       read_height(*lane_, a);
     } else if (parent == "link" && name == "predecessor") {
-      lane_->predecessor = a.integer("id");
+      if (names_something(a, "id")) lane_->predecessor = a.integer("id");
     } else if (parent == "link" && name == "successor") {
-      lane_->successor = a.integer("id");
+      if (names_something(a, "id")) lane_->successor = a.integer("id");
     }
   }
 
@@ -540,7 +549,8 @@ class Builder {
       if (a.find("high") && a.find("low"))
         junction.priorities.push_back({road_ids_.number(a.required("high")), road_ids_.number(a.required("low"))});
     } else if (parent == "connection" && name == "laneLink" && !junction.connections.empty()) {
-      junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
+      if (names_something(a, "from") && names_something(a, "to"))
+        junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
     } else if (parent == "junction" && name == "userData") {
       read_junction_data(junction, a.text("code"), a.text("value"));
     }

@@ -421,7 +421,8 @@ TEST_F(ForeignFile, nothing_is_passed_over_in_silence) {
   const RoadMap map = read(
       road_of(
           straight + R"(<lateralProfile><crossSectionSurface/></lateralProfile><lanes>)" +
-          sections("", lane(-1, R"(<include file="a"/><include file="b"/>)")) +
+          sections("",
+                   lane(-1, R"(<width sOffset="0" a="3" b="0" c="0" d="0"/><include file="a"/><include file="b"/>)")) +
           R"(</lanes><signals><signal s="1"/><signal s="2"/></signals><objects><object type="tree" s="1" t="1"><repeat/></object></objects><planVeiw/>)") +
       R"(<junction id="5" name=""><surface><CRG/></surface><elevationGrid/></junction><controller id="1"/>)");
   const std::string notes = notes_of(map);
