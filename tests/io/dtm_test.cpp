@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Terrain models: own grid, warped, holes, cover.
 
+#include <gdal_priv.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -70,6 +72,66 @@ TEST(Dtm, nodata_becomes_nan_and_lack_of_cover_is_refused_with_its_share) {
   EXPECT_DOUBLE_EQ(io::coverage(io::read_dtms({scratch / "dtm.tif"}, west), west), 1.0);
   EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "dtm.tif", both); }),
               HasSubstr("heights for 50.0 %"));
+}
+
+/// Writes the plane again with numbers of another unit; `change` sees the file.
+void write_in_unit(
+    const fs::path& path, double numbers_per_metre,
+    const std::function<void(GDALDataset&)>& change = [](GDALDataset&) {}) {
+  HeightGrid plane = tilted_plane({500000.0, 5540000.0, 10.0, 60, 60});
+  for (float& z : plane.height_m.data) z = static_cast<float>(numbers_per_metre * (static_cast<double>(z) + 300.0));
+  io::write_dtm(path, plane);
+  GDALDataset* file = GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE);
+  ASSERT_NE(file, nullptr);
+  change(*file);
+  GDALClose(file);
+}
+
+// docs/notes/trackers.md has the reports.
+TEST(Dtm, units_of_the_band_are_read) {
+  const Scratch scratch;
+  const SiteFrame site{utm33, rectangle(500200.0, 5539600.0, 500300.0, 5539700.0)};
+  write_in_unit(scratch / "m.tif", 1.0);
+  const HeightGrid metres = io::read_dtm(scratch / "m.tif", site);
+  for (const auto& [name, per_metre] : {std::pair{"cm", 100.0},
+                                        {"centimetre", 100.0},
+                                        {"Centimeters", 100.0},
+                                        {"dm", 10.0},
+                                        {"mm", 1000.0},
+                                        {"km", 0.001},
+                                        {"metre", 1.0},
+                                        {"ft", 1.0 / 0.3048}}) {
+    write_in_unit(scratch / "u.tif", per_metre, [&](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType(name); });
+    const HeightGrid read = io::read_dtm(scratch / "u.tif", site);
+    EXPECT_NEAR(read.height_m.at(10, 10), metres.height_m.at(10, 10), 1e-3) << name;
+  }
+}
+
+TEST(Dtm, heights_in_a_unit_that_nobody_tells_are_refused_by_name) {
+  const Scratch scratch;
+  const SiteFrame site{utm33, rectangle(500200.0, 5539600.0, 500300.0, 5539700.0)};
+  write_in_unit(scratch / "cm.tif", 100.0);
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "cm.tif", site); }),
+              testing::AllOf(HasSubstr("its heights go from 4"), HasSubstr("-a_scale 0.01")));
+}
+
+TEST(Dtm, pictures_are_no_terrain) {
+  const Scratch scratch;
+  const SiteFrame site{utm33, rectangle(500200.0, 5539600.0, 500300.0, 5539700.0)};
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  OGRSpatialReference reference;
+  reference.importFromEPSG(32633);
+  for (const int bands : {3, 4, 1}) {
+    const fs::path path = scratch / "picture.tif";
+    GDALDataset* file = driver->Create(path.c_str(), 60, 60, bands, GDT_Byte, nullptr);
+    std::array<double, 6> transform{500000.0, 10.0, 0.0, 5540000.0, 0.0, -10.0};
+    file->SetGeoTransform(transform.data());
+    file->SetSpatialRef(&reference);
+    if (bands == 1) file->GetRasterBand(1)->SetColorInterpretation(GCI_PaletteIndex);
+    for (int b = 1; b <= bands; ++b) file->GetRasterBand(b)->Fill(120.0);
+    GDALClose(file);
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(path, site); }), HasSubstr("is a picture")) << bands;
+  }
 }
 
 TEST(Dtm, far_away_is_refused) {

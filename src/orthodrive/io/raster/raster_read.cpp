@@ -9,6 +9,8 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <string_view>
+#include <utility>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -138,17 +140,48 @@ double height_unit_m(GDALRasterBand& band, const OGRSpatialReference& reference)
   const std::string unit = CPLString(band.GetUnitType()).tolower();
   if (unit.find("survey") != std::string::npos || unit == "us-ft" || unit == "ftus") return us_survey_foot_m;
   if (unit == "ft" || unit == "foot" || unit == "feet") return foot_m;
+  constexpr std::pair<std::string_view, double> metric[] = {{"mm", 0.001},    {"cm", 0.01},        {"dm", 0.1},
+                                                            {"km", 1000.0},   {"millimet", 0.001}, {"centimet", 0.01},
+                                                            {"decimet", 0.1}, {"kilomet", 1000.0}};
+  for (const auto& [name, metres] : metric)
+    if (name.size() > 2 ? unit.starts_with(name) : unit == name) return metres;
   if (!unit.empty() || !reference.IsVertical()) return 1.0;
   const double unit_m = reference.GetTargetLinearUnits("VERT_CS");
   return unit_m > 0.0 ? unit_m : 1.0;
 }
 
 /// In metres. Heights that no land of the earth has, not even in feet, are nodata that the file does not declare
-/// (-9999, -32768, 65535, 3.4e38): a road must not lie there.
-void to_plausible_metres(double unit_m, Raster<float>& heights) {
-  constexpr float lowest = -1500.0F, highest = 30000.0F;  // Dead Sea and Mount Everest in feet
-  for (float& z : heights.data)
-    z = z > lowest && z < highest ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
+/// (-9999, -32768, 65535, 3.4e38): a road must not lie there. Where nothing else is there and they differ, they are
+/// heights in a unit that the file does not tell.
+void to_plausible_metres(const fs::path& path, double unit_m, Raster<float>& heights) {
+  constexpr double lowest = -1500.0, highest = 30000.0;  // Dead Sea and Mount Everest in feet
+  constexpr float beyond_all_units = 1e7F;               // Mount Everest in millimetres
+  const double looked_at = std::min(unit_m, 1.0);
+  std::size_t plausible = 0;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (float& z : heights.data) {
+    if (std::abs(z) < beyond_all_units) low = std::min(low, z), high = std::max(high, z);
+    const double as_looked_at = looked_at * static_cast<double>(z);
+    const bool is_plausible = as_looked_at > lowest && as_looked_at < highest;
+    plausible += is_plausible ? 1 : 0;
+    z = is_plausible ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
+  }
+  if (plausible > 0 || !(high > low)) return;
+  throw InputError(
+      path.string(),
+      fmt::format("its heights go from {:.0f} to {:.0f} here, no land lies there in metres or feet; say the "
+                  "unit, of centimetres: gdal_translate -a_scale 0.01 IN OUT.tif",
+                  low, high));
+}
+
+/// Colours are no heights: a shaded relief, a drawn map, heights packed into red, green and blue.
+void require_heights(const fs::path& path, GDALDataset& dtm) {
+  const GDALColorInterp first = dtm.GetRasterBand(1)->GetColorInterpretation();
+  const bool is_rgb = dtm.GetRasterCount() >= 3 && first == GCI_RedBand;
+  if (!is_rgb && first != GCI_PaletteIndex) return;
+  throw InputError(path.string(),
+                   "is a picture (red, green, blue or a palette), not a terrain model: need one band of "
+                   "heights; the server may hand out another file, or it has to be decoded first");
 }
 
 /// Of the CRS; else as cut_raster() was told.
@@ -163,12 +196,13 @@ HeightGrid read_heights(const fs::path& path, const Crs& crs, const Box2& box) {
   const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
   const Georeference g = georeference_of(path, *source);
   require_complete(path, *source);
+  require_heights(path, *source);
   const DatasetPtr metres = unscaled(*source);
   GDALDataset& dtm = metres ? *metres : *source;
   HeightGrid grid = lies_on_own_grid(g, crs)
                         ? read_window(path, dtm, g, box)
                         : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
-  to_plausible_metres(height_unit_m(*source->GetRasterBand(1), g.reference), grid.height_m);
+  to_plausible_metres(path, height_unit_m(*source->GetRasterBand(1), g.reference), grid.height_m);
   grid.crs = crs;
   grid.vertical_datum = vertical_datum_of(g.reference, *source);
   return grid;
