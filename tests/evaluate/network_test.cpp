@@ -111,6 +111,22 @@ TEST(EvaluateNetwork, jumps_of_heading_curvature_and_gradient) {
   EXPECT_NEAR(scores.max_gradient_kink, 0.0, 1e-12);
 }
 
+// docs/notes/trackers.md: extracts and writers leave connections out.
+TEST(EvaluateNetwork, a_junction_has_to_know_the_roads_that_lead_to_it) {
+  RoadMap map{
+      .roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 120, 0, 0, 50), straight_road(3, 100, 0, 0, 20)},
+      .junctions = {{.id = 9}}};
+  map.roads[0].successor = map.roads[1].predecessor = {LinkKind::junction, 9, {}};
+  map.roads[2].junction = 9;
+  map.roads[2].predecessor = {LinkKind::road, 1, ContactPoint::end};
+  map.roads[2].successor = {LinkKind::road, 2, ContactPoint::start};
+  EXPECT_EQ(evaluate_network(map).broken_links, 2u) << "no connection";
+  map.junctions[0].connections = {{.id = 0, .incoming_road = 1, .connecting_road = 3, .lane_links = {{-1, -1}}}};
+  EXPECT_EQ(evaluate_network(map).broken_links, 0u) << "road 2 is where it leads";
+  map.junctions[0].connections[0].connecting_road = 2;
+  EXPECT_EQ(evaluate_network(map).broken_links, 0u) << "a direct junction names the linked road";
+}
+
 TEST(EvaluateNetwork, lane_links_have_to_agree) {
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}};
   link(map.roads[0], map.roads[1]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <tuple>
@@ -135,16 +136,33 @@ void measure_link(const RoadEnd& from, const RoadEnd& to, NetworkScores& scores)
         std::max(scores.max_curvature_jump, std::abs(a_sign * a.curvature - b_sign * b.curvature));
 }
 
+/// Ids of the roads that a junction's connections come from or lead to.
+std::set<int> roads_at(const RoadMap& map, const roadquery::Junction& junction, const RoadsById& by_id) {
+  std::set<int> roads;
+  for (const roadquery::Connection& connection : junction.connections) {
+    roads.insert({connection.incoming_road, connection.connecting_road});  // of a direct junction that is the other one
+    const auto via = by_id.find(connection.connecting_road);
+    if (!via) continue;
+    for (const roadquery::RoadLink* link : {&map.roads[*via].predecessor, &map.roads[*via].successor})
+      if (link->kind == LinkKind::road) roads.insert(link->id);
+  }
+  return roads;
+}
+
 void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
-  std::set<int> junctions;
-  for (const roadquery::Junction& junction : map.junctions) junctions.insert(junction.id);
+  std::map<int, std::set<int>> roads_of_junction;
+  for (const roadquery::Junction& junction : map.junctions)
+    roads_of_junction[junction.id] = roads_at(map, junction, by_id);
   for (const Road& road : map.roads) {
     scores.max_gradient_kink = std::max(scores.max_gradient_kink, gradient_kink(road));
     scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, element_gap_m(road));
     measure_plan(road, scores);
     for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
       const roadquery::RoadLink& link = RoadEnd{&road, contact}.link();
-      if (link.kind == LinkKind::junction && junctions.count(link.id) == 0) ++scores.broken_links;
+      if (link.kind == LinkKind::junction) {
+        const auto junction = roads_of_junction.find(link.id);
+        if (junction == roads_of_junction.end() || !junction->second.contains(road.id)) ++scores.broken_links;
+      }
       if (link.kind != LinkKind::road) continue;
       const auto other = by_id.find(link.id);
       if (!other) {
