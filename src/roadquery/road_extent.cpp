@@ -63,7 +63,7 @@ const Lane* find_lane(const LaneSection& section, int id) {
 void link_through(LaneSection& section, const LaneSection& gone, std::optional<int> Lane::*link) {
   for (auto* side : {&section.left, &section.right})
     for (Lane& lane : *side) {
-      const Lane* through = lane.*link ? find_lane(gone, *(lane.*link)) : nullptr;
+      const Lane* through = find_lane(gone, (lane.*link).value_or(0));  // 0 is no lane of a side
       if (through != nullptr) lane.*link = through->*link;
     }
 }

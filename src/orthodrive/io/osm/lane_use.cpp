@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <string_view>
+
+#include "roadquery/text.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -107,11 +110,24 @@ bool names_kind(const RoadPath& path, std::string_view kind) {
   const std::string beginning = fmt::format("{}:", kind);
   return std::ranges::any_of(side_lanes_of(path), [&](std::string_view word) { return word.starts_with(beginning); });
 }
+/// Without blanks beside "|" and ";": slips of the keyboard and of editors.
+std::string without_blanks_between(std::string_view text) {
+  std::string clean;
+  for (const char c : text) {
+    const bool is_blank = roadquery::blanks.find(c) != std::string_view::npos, separates = c == '|' || c == ';';
+    if (separates)
+      while (!clean.empty() && roadquery::blanks.find(clean.back()) != std::string_view::npos) clean.pop_back();
+    if (is_blank && (clean.empty() || clean.back() == '|' || clean.back() == ';')) continue;
+    clean += c;
+  }
+  return clean;
+}
 }  // namespace
 
 std::vector<std::string> lane_list(const std::string& text) {
-  const std::vector<std::string_view> words = lane_words(text);
-  return {words.begin(), words.end()};
+  std::vector<std::string> words;
+  for (const std::string_view word : lane_words(text)) words.emplace_back(roadquery::trimmed(word));
+  return words;
 }
 
 std::string joined_lanes(const std::vector<std::string>& lanes) {
@@ -122,7 +138,8 @@ std::string joined_lanes(const std::vector<std::string>& lanes) {
 
 std::string lane_value(const OsmTags& tags, const WayAttributes& way, const std::string& key, bool forward) {
   std::string value = tag_value(tags, key + (forward != way.reversed ? ":forward" : ":backward"));
-  return value.empty() && forward && way_is_one_way(way) ? tag_value(tags, key) : value;
+  if (value.empty() && forward && way_is_one_way(way)) value = tag_value(tags, key);
+  return without_blanks_between(value);
 }
 
 std::string road_use(const OsmTags& tags, const std::string& highway) {

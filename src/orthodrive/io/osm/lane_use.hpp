@@ -11,12 +11,12 @@
 
 namespace orthodrive::io {
 
-/// Parts of a list "left|through|right"; none of an empty text.
+/// Parts of a list "left|through|right", without blanks around them; none of an empty text.
 [[nodiscard]] std::vector<std::string> lane_list(const std::string& text);
 [[nodiscard]] std::string joined_lanes(const std::vector<std::string>& lanes);
 
-/// The value of a tag of lanes for one direction of the path: KEY:forward or KEY:backward, of one-way roads KEY for
-/// the direction of traffic.
+/// The value of a tag of lanes for one direction of the path, without blanks beside "|" and ";": KEY:forward or
+/// KEY:backward, of one-way roads KEY for the direction of traffic.
 [[nodiscard]] std::string lane_value(const OsmTags& tags, const WayAttributes& way, const std::string& key,
                                      bool forward);
 

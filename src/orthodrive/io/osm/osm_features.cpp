@@ -9,12 +9,15 @@
 #include <osmium/osm/area.hpp>
 #include <osmium/visitor.hpp>
 
+#include "orthodrive/io/osm/area_problems.hpp"
 #include "orthodrive/io/osm/object_kind.hpp"
 #include "orthodrive/io/support/osm_support.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 
 namespace orthodrive::io {
 namespace {
+constexpr const char* not_in_file = "a part of its outline is not in the file, take a larger extract";
+
 /// Closed ways with these keys are lines that come back to their start, unless area=yes says otherwise.
 bool is_linear(const osmium::TagList& tags) {
   if (tags.has_tag("area", "yes")) return false;
@@ -55,7 +58,8 @@ class LineHandler : public osmium::handler::Handler {
                          .osm_version = node.version()});
   }
   void way(const osmium::Way& way) {
-    if (way.tags().empty() || way.nodes().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
+    if (way.tags().empty() || way.nodes().empty()) return;
+    if (way.is_closed() && !is_linear(way.tags())) return add_cut_area(way);
     Polyline line = line_of(way.nodes(), transform_);
     if (line.size() >= 2)
       features_.push_back({.lines = {std::move(line)},
@@ -65,9 +69,41 @@ class LineHandler : public osmium::handler::Handler {
   }
 
  private:
+  /// libosmium passes over areas of which nodes are missing.
+  void add_cut_area(const osmium::Way& way) {
+    Ring lonlat;
+    for (const osmium::NodeRef& node : way.nodes())
+      if (node.location().valid()) lonlat.push_back(lonlat_of(node.location()));
+    if (lonlat.empty() || lonlat.size() == way.nodes().size()) return;
+    features_.push_back({.tags = tags_of(way.tags()),
+                         .osm_id = "way/" + std::to_string(way.id()),
+                         .osm_version = way.version(),
+                         .missing = {not_in_file, AreaProblems::box_of(lonlat, transform_)}});
+  }
   std::vector<Feature>& features_;
   const CoordinateTransform& transform_;
 };
+
+using Multipolygons = osmium::area::MultipolygonManager<osmium::area::Assembler>;
+
+/// Multipolygons of which ways are missing.
+void add_incomplete(Multipolygons& polygons, const CoordinateTransform& transform, std::vector<Feature>& features) {
+  polygons.for_each_incomplete_relation([&](const osmium::relations::RelationHandle& handle) {
+    Ring lonlat;
+    for (const osmium::RelationMember& member : handle->members()) {
+      const osmium::Way* way =
+          member.type() == osmium::item_type::way ? polygons.get_member_way(member.ref()) : nullptr;
+      if (!way) continue;
+      for (const osmium::NodeRef& node : way->nodes())
+        if (node.location().valid()) lonlat.push_back(lonlat_of(node.location()));
+    }
+    if (lonlat.empty()) return;
+    features.push_back({.tags = tags_of(handle->tags()),
+                        .osm_id = "relation/" + std::to_string(handle->id()),
+                        .osm_version = handle->version(),
+                        .missing = {not_in_file, AreaProblems::box_of(lonlat, transform)}});
+  });
+}
 
 /// Puts places into the nodes of ways. Nodes come first; places that stand in the way itself (`out geom`) stay where
 /// the file has no node. What extracts cut stays without a place: what is left of such ways is used.
@@ -111,7 +147,10 @@ Feature feature_of(const osmium::Area& area, const CoordinateTransform& transfor
 
 std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs) {
   return with_osm_errors(path, [&] {
-    osmium::area::MultipolygonManager<osmium::area::Assembler> polygons{osmium::area::Assembler::config_type{}};
+    AreaProblems problems;
+    osmium::area::Assembler::config_type config;
+    config.problem_reporter = &problems;
+    Multipolygons polygons{config};
     read_osm_buffers(path, osmium::osm_entity_bits::relation,
                      [&](const osmium::memory::Buffer& buffer) { osmium::apply(buffer, polygons); });
     polygons.prepare_for_lookup();
@@ -122,14 +161,17 @@ std::vector<Feature> read_osm_features(const std::filesystem::path& path, const 
     LineHandler lines(features, transform);
     auto& second_pass = polygons.handler([&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Area& area : buffer.select<osmium::Area>())
-        if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags())))
+        if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags()))) {
           features.push_back(feature_of(area, transform));
+          if (features.back().polygons.empty()) features.back().missing = problems.missing(area, transform);
+        }
     });
     read_osm_sorted(path, [&](osmium::memory::Buffer& buffer) {
       for (osmium::OSMEntity& entity : buffer.select<osmium::OSMEntity>())
         osmium::apply_item(entity, places, lines, second_pass);
     });
     second_pass.flush();
+    add_incomplete(polygons, transform, features);
     return features;
   });
 }

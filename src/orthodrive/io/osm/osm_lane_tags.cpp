@@ -185,6 +185,13 @@ void read_lanes(const OsmTags& tags, WayAttributes& way) {
   path.turn_backward = lane_value(tags, way, "turn:lanes", false);
 }
 
+/// Where no tag tells how many lanes a direction has, its arrows do: mappers may leave turn lanes out of `lanes`.
+void count_turn_lanes(RoadPath& path) {
+  if (path.lanes_forward == 0 && shared_lanes(path) == 0)
+    path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
+  if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
+}
+
 /// turn=* without lanes holds for all of them.
 void spread_turns(const OsmTags& tags, WayAttributes& way, bool forward) {
   const int lanes = forward ? way.path.lanes_forward : way.path.lanes_backward;
@@ -309,13 +316,9 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
   read_speeds(tags, way);
   read_uses(tags, way);
   read_side_lanes(tags, way);
-  path.oneway == Oneway::forward ? settle_one_way(tags, way) : settle_two_way(way);
-  if (path.lanes == 0 && path.oneway == Oneway::forward)
-    path.lanes = path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
-  if (path.lanes_forward == 0 && shared_lanes(path) == 0)
-    path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
   if (path.oneway == Oneway::forward && path.lanes_backward == 0) path.turn_backward.clear();
-  if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
+  count_turn_lanes(path);
+  path.oneway == Oneway::forward ? settle_one_way(tags, way) : settle_two_way(way);
   settle_lists(way);
   spread_turns(tags, way, true), spread_turns(tags, way, false);
   read_placement(tags, way);

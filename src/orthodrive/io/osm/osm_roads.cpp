@@ -10,13 +10,14 @@
 #include <map>
 #include <optional>
 #include <osmium/osm/node.hpp>
-#include <osmium/osm/relation.hpp>
 #include <osmium/osm/way.hpp>
 #include <set>
 #include <span>
 #include <string_view>
 
 #include "orthodrive/io/osm/built_up_areas.hpp"
+#include "orthodrive/io/osm/osm_restrictions.hpp"
+#include "orthodrive/io/osm/osm_road_ids.hpp"
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
@@ -25,7 +26,6 @@
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/io/support/osm_support.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -35,10 +35,6 @@ template <typename F>
 void for_each_file(const Files& files, F&& read) {
   for (const std::filesystem::path& path : files) with_osm_errors(path, [&] { read(path); });
 }
-
-/// OSM has no object 0, some converters write one: in roads 0 means none.
-constexpr std::int64_t stand_in_for_0 = -(std::int64_t{1} << 53) + 1;
-std::int64_t road_node(osmium::object_id_type id) { return id == no_osm_node ? stand_in_for_0 : id; }
 
 struct DrivableWay {
   std::int64_t id = 0;
@@ -109,55 +105,6 @@ std::vector<DrivableWay> unique_ways(std::vector<DrivableWay> ways) {
   return unique;
 }
 
-/// Turns that a relation forbids, or the only ones it allows; none of those that count for lorries or buses alone,
-/// exempt cars or go over a way instead of a node.
-std::vector<TurnRestriction> restrictions_of(const osmium::Relation& relation) {
-  const osmium::TagList& tags = relation.tags();
-  if (!tags.has_tag("type", "restriction")) return {};
-  const char* kind = tags.get_value_by_key("restriction:motorcar");
-  if (!kind) kind = tags.get_value_by_key("restriction", "");
-  const bool only = std::string_view(kind).starts_with("only_"), no = std::string_view(kind).starts_with("no_");
-  const std::string_view except = tags.get_value_by_key("except", "");
-  if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos)
-    return {};
-  std::vector<std::int64_t> from, via, to;
-  for (const osmium::RelationMember& member : relation.members()) {
-    const std::string_view role = member.role();
-    if (member.type() == osmium::item_type::way && role == "from") from.push_back(member.ref());
-    if (member.type() == osmium::item_type::node && role == "via") via.push_back(road_node(member.ref()));
-    if (member.type() == osmium::item_type::way && role == "to") to.push_back(member.ref());
-  }
-  if (via.size() != 1) return {};
-  std::vector<TurnRestriction> restrictions;
-  for (const std::int64_t a : from)
-    for (const std::int64_t b : to) restrictions.push_back({a, via.front(), b, only});
-  return restrictions;
-}
-
-std::vector<TurnRestriction> read_restrictions(const Files& files) {
-  struct Known {
-    osmium::object_version_type version = 0;
-    std::vector<TurnRestriction> restrictions;
-  };
-  std::vector<Known> known;
-  std::map<std::int64_t, std::size_t> index;
-  for_each_file(files, [&](const std::filesystem::path& path) {
-    read_osm_buffers(path, osmium::osm_entity_bits::relation, [&](const osmium::memory::Buffer& buffer) {
-      for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
-        const auto [at, is_new] = index.emplace(relation.id(), known.size());
-        if (is_new)
-          known.push_back({relation.version(), restrictions_of(relation)});
-        else if (known[at->second].version < relation.version())
-          known[at->second] = {relation.version(), restrictions_of(relation)};
-      }
-    });
-  });
-  std::vector<TurnRestriction> restrictions;
-  for (const Known& relation : known)
-    restrictions.insert(restrictions.end(), relation.restrictions.begin(), relation.restrictions.end());
-  return restrictions;
-}
-
 /// Where the nodes of the ways lie, in degrees; NaN for nodes that the files lack.
 class NodePlaces {
  public:
@@ -185,6 +132,11 @@ class NodePlaces {
     });
   }
   [[nodiscard]] Vec2 lonlat(std::int64_t id) const { return nodes_[index_of(id)].lonlat; }
+  /// NaN, too, for a node that no way has.
+  [[nodiscard]] Vec2 known_lonlat(std::int64_t id) const {
+    const std::size_t i = index_of(id);
+    return i < ids_.size() && ids_[i] == id ? nodes_[i].lonlat : Known{}.lonlat;
+  }
   /// Of the nodes of the ways, sorted; their directions are the paths'.
   [[nodiscard]] std::vector<NodeSign> signs(const std::vector<DrivableWay>& ways) const {
     std::set<std::int64_t> turned;
@@ -397,6 +349,31 @@ class PathMaker {
     unread_.report(*findings_);
   }
 
+  /// Of roads in the area alone: where one turns, else where the way begins.
+  void report_restriction(const UnreadRestriction& restriction, const std::vector<DrivableWay>& ways) {
+    if (!findings_) return;
+    std::vector<std::int64_t> nodes;
+    bool has_road = false;
+    for (const auto* ids : {&restriction.from_ways, &restriction.via_ways})
+      for (const std::int64_t id : *ids) {
+        const auto way = std::ranges::lower_bound(ways, id, {}, &DrivableWay::id);
+        if (way == ways.end() || way->id != id) continue;
+        has_road = true;
+        nodes.insert(ids == &restriction.via_ways ? nodes.begin() : nodes.end(), way->nodes.begin(), way->nodes.end());
+      }
+    if (!has_road) return;
+    nodes.insert(nodes.begin(), restriction.via_nodes.begin(), restriction.via_nodes.end());
+    for (const std::int64_t node : nodes) {
+      const Vec2 p = places_.known_lonlat(node);
+      if (std::isnan(p.x) || !area_lonlat_.contains(p)) continue;
+      const Vec2 where = site_from_lonlat_.target_from_source(p);
+      if (!contains(site_.area, where)) continue;
+      findings_->push_back({restriction.severity, "osm.restriction_not_read",
+                            fmt::format("relation {}: {}", restriction.relation, restriction.why), where.x, where.y});
+      return;
+    }
+  }
+
  private:
   void push(const DrivableWay& way, Severity severity, const char* code, const std::string& what, Vec2 where) {
     if (findings_ && contains(site_.area, where))
@@ -415,7 +392,7 @@ class PathMaker {
 
 /// From south-west to north-east by the first place that differs, so that numbers of objects, which editors and
 /// extracts choose, decide nothing. Halves of one way stay together.
-void sort_by_place(std::vector<DrivableWay>& ways, const NodePlaces& places) {
+std::vector<const DrivableWay*> by_place(const std::vector<DrivableWay>& ways, const NodePlaces& places) {
   const auto line_of = [&](const DrivableWay& way) {
     std::vector<std::pair<double, double>> line;
     line.reserve(way.nodes.size());
@@ -423,17 +400,50 @@ void sort_by_place(std::vector<DrivableWay>& ways, const NodePlaces& places) {
       if (const Vec2 p = places.lonlat(node); !std::isnan(p.x)) line.emplace_back(p.x, p.y);
     return line;
   };
+  std::vector<const DrivableWay*> ordered;
   std::map<std::int64_t, std::vector<std::pair<double, double>>> first_of;
   for (const DrivableWay& way : ways) {
+    ordered.push_back(&way);
     auto line = line_of(way);
     const auto [it, is_new] = first_of.try_emplace(way.id, line);
     if (!is_new) it->second = std::min(it->second, line);
   }
-  std::ranges::stable_sort(ways, [&](const DrivableWay& a, const DrivableWay& b) {
-    if (a.id == b.id) return line_of(a) < line_of(b);
-    const auto &of_a = first_of.at(a.id), &of_b = first_of.at(b.id);
-    return of_a != of_b ? of_a < of_b : a.id < b.id;
+  std::ranges::stable_sort(ordered, [&](const DrivableWay* a, const DrivableWay* b) {
+    if (a->id == b->id) return line_of(*a) < line_of(*b);
+    const auto &of_a = first_of.at(a->id), &of_b = first_of.at(b->id);
+    return of_a != of_b ? of_a < of_b : a->id < b->id;
   });
+  return ordered;
+}
+
+/// Whether cars can leave the node along the way.
+bool leads_away(const DrivableWay& way, std::int64_t node) {
+  const RoadPath& path = way.attributes.path;
+  if (way.attributes.omitted || !path.use.empty()) return false;
+  for (std::size_t i = 0; i < way.nodes.size(); ++i)
+    if (way.nodes[i] == node && (i + 1 < way.nodes.size() || path.oneway != Oneway::forward)) return true;
+  return false;
+}
+
+/// The only turn that a relation allows closes all others: not if that one is none.
+void leave_out_impossible(const std::vector<DrivableWay>& ways, OsmRestrictions& restrictions) {
+  const auto is_possible = [&](const ReadRestriction& restriction) {
+    const auto way = std::ranges::lower_bound(ways, restriction.turn.to_way, {}, &DrivableWay::id);
+    return !restriction.turn.only || std::any_of(way, ways.end(), [&, is_same = true](const DrivableWay& part) mutable {
+      is_same = is_same && part.id == restriction.turn.to_way;  // halves of a way stand beside each other
+      return is_same && leads_away(part, restriction.turn.via_node);
+    });
+  };
+  const auto impossible = std::stable_partition(restrictions.read.begin(), restrictions.read.end(), is_possible);
+  for (auto it = impossible; it != restrictions.read.end(); ++it)
+    restrictions.unread.push_back(
+        {it->relation,
+         Severity::warning,
+         fmt::format("only_* to way {}, along which no car leaves that node, is left out", it->turn.to_way),
+         {it->turn.from_way},
+         {it->turn.via_node},
+         {}});
+  restrictions.read.erase(impossible, restrictions.read.end());
 }
 
 /// Share of the length of a path, by a sample every 25 m.
@@ -471,14 +481,16 @@ RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, cons
   ways = unique_ways(std::move(ways));
   NodePlaces places(ways);
   for_each_file(files, [&](const std::filesystem::path& path) { places.read(path); });
-  sort_by_place(ways, places);
   RoadNetwork roads{.crs = site.crs};
   PathMaker maker(site, places, findings);
-  for (const DrivableWay& way : ways) maker.add(way, roads.paths);
+  for (const DrivableWay* way : by_place(ways, places)) maker.add(*way, roads.paths);
   std::string names;
   for (const std::filesystem::path& path : files) names += (names.empty() ? "" : ", ") + path.string();
   check_roads(names, ways, places, maker.area_lonlat(), roads);
-  roads.restrictions = read_restrictions(files);
+  OsmRestrictions restrictions = read_restrictions(files);
+  leave_out_impossible(ways, restrictions);
+  for (const ReadRestriction& restriction : restrictions.read) roads.restrictions.push_back(restriction.turn);
+  for (const UnreadRestriction& restriction : restrictions.unread) maker.report_restriction(restriction, ways);
   roads.signs = places.signs(ways);
   maker.report_unread(roads.paths);
   place_in_towns(files, site, roads.paths);

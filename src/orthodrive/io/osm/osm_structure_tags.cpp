@@ -27,6 +27,39 @@ constexpr std::string_view lifecycles[] = {"proposed", "planned", "construction"
                                            "razed",    "removed", "demolished",   "destroyed", "dismantled",
                                            "ruined",   "ruins",   "historic",     "was"};
 
+/// Values of Key:highway that are no roads for cars; those that are: is_drivable().
+constexpr std::string_view other_highways[] = {"path",
+                                               "footway",
+                                               "cycleway",
+                                               "pedestrian",
+                                               "steps",
+                                               "bridleway",
+                                               "corridor",
+                                               "elevator",
+                                               "platform",
+                                               "via_ferrata",
+                                               "ladder",
+                                               "bus_guideway",
+                                               "escape",
+                                               "rest_area",
+                                               "services",
+                                               "emergency_bay",
+                                               "bus_stop",
+                                               "crossing",
+                                               "trailhead",
+                                               "street_lamp",
+                                               "turning_circle",
+                                               "turning_loop",
+                                               "toll_gantry",
+                                               "speed_camera",
+                                               "milestone",
+                                               "stop",
+                                               "give_way",
+                                               "traffic_signals",
+                                               "traffic_island",
+                                               "no",
+                                               "emergency_access_point"};
+
 bool is_one_of_names(std::string_view value, Names names) { return std::ranges::find(names, value) != names.end(); }
 
 bool is_given(std::string_view value) { return !is_one_of_names(value, none_values); }
@@ -107,6 +140,13 @@ void read_structure_tags(const OsmTags& tags, WayAttributes& way) {
     way.omitted = {
         Severity::warning, "osm.indoor_level",
         fmt::format("{}: a level of a building, whose height no terrain tells; it is left out", printable(on))};
+  else if (!path.highway.empty() && !is_drivable(path.highway) && !is_one_of_names(path.highway, lifecycles) &&
+           !is_one_of_names(path.highway, other_highways))
+    way.omitted = {
+        Severity::warning, "osm.highway_not_known",
+        fmt::format("highway={} is no value of Key:highway, it is left out; if one drives there, correct the "
+                    "map",
+                    printable(path.highway))};
 }
 
 }  // namespace orthodrive::io

@@ -14,7 +14,8 @@ namespace orthodrive::io {
 
 /// Sets bridge, tunnel and layer of the path, and `omitted` for ways that are left out:
 /// "osm.not_built" (planned, under construction, abandoned or gone), "osm.road_area" (an area, no centre line) and
-/// "osm.indoor_level" (a level of a building, whose height nothing tells). path.highway is set already.
+/// "osm.indoor_level" (a level of a building, whose height nothing tells), and "osm.highway_not_known" for values that
+/// Key:highway does not have. path.highway is set already.
 /// Passages through houses, galleries and roofs lie on the ground: layer 0, no tunnel. So do fords and boardwalks.
 void read_structure_tags(const OsmTags& tags, WayAttributes& way);
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/osm/osm_tags.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 
+#include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/osm/lane_use.hpp"
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 #include "orthodrive/model/roads/traffic_calming.hpp"
+#include "roadquery/text.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -38,10 +43,15 @@ double parse_width_m(const std::string& text) {
   if (failed != std::errc() || !std::isfinite(value) || value <= 0.0) return 0.0;
   const std::string unit(rest, end);
   if (unit.empty() || unit == "m" || unit == "metres" || unit == "meters") return value;
-  if (unit == "ft" || unit == "'") return value * foot_m;
-  if (unit.front() == '\'' && unit.back() == '"') {
-    const int inches = parse_whole_number(unit.substr(1, unit.size() - 2)).value_or(-1);
-    return inches < 0 ? 0.0 : value * foot_m + inches * inch_m;
+  for (const std::string_view feet : {"'", "ft", "feet"}) {
+    if (!unit.starts_with(feet)) continue;
+    if (unit == feet) return value * foot_m;
+    for (const std::string_view inch : {"\"", "in", "''"}) {
+      if (!unit.ends_with(inch) || unit.size() < feet.size() + inch.size()) continue;
+      const std::size_t digits = unit.size() - feet.size() - inch.size();
+      const int inches = parse_whole_number(unit.substr(feet.size(), digits)).value_or(-1);
+      return inches < 0 ? 0.0 : value * foot_m + inches * inch_m;
+    }
   }
   return 0.0;
 }
@@ -69,6 +79,13 @@ double tagged_width_m(const OsmTags& tags, const RoadPath& path) {
     return forward + backward;
   return width_of_lanes_m(tags);
 }
+/// What Key:oneway knows, and nothing.
+bool is_oneway_value(std::string_view value) {
+  for (const std::string_view known :
+       {"", "yes", "true", "1", "-1", "reverse", "no", "false", "0", "reversible", "alternating"})
+    if (value == known) return true;
+  return false;
+}
 }  // namespace
 
 WayAttributes way_attributes(const OsmTags& tags) {
@@ -78,11 +95,13 @@ WayAttributes way_attributes(const OsmTags& tags) {
   path.name = tag_value(tags, "name");
   read_structure_tags(tags, way);
   path.lanes = std::max(0, parse_whole_number(tag_value(tags, "lanes")).value_or(0));
-  const std::string junction = tag_value(tags, "junction"), oneway = tag_value(tags, "oneway");
+  const std::string junction = tag_value(tags, "junction"), oneway = roadquery::lowered(tag_value(tags, "oneway"));
   path.roundabout = junction == "roundabout" || junction == "circular";
   way.reversed = oneway == "-1" || oneway == "reverse";
   const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
   if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
+  if (!is_oneway_value(oneway))
+    way.doubts.push_back(fmt::format("oneway={} is not known, took both directions", printable(oneway)));
   read_lane_tags(tags, way);
   way.width_m = tagged_width_m(tags, path);
   path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;

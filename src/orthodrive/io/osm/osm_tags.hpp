@@ -28,7 +28,7 @@ struct OmittedWay {
   std::string why;
 };
 
-/// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft"; 0 when it cannot be read or is not positive.
+/// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft", "11 ft 6 in"; 0 when it cannot be read or is not positive.
 [[nodiscard]] double parse_width_m(const std::string& text);
 
 /// km/h from maxspeed's "50", "30 mph", "none" (130, the usual advice); 0 when it is no number. Cases of the law

@@ -23,6 +23,7 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/geo/vec.hpp"
 #include "orthodrive/io/support/osm_text.hpp"
+#include "roadquery/text.hpp"
 
 namespace orthodrive::io {
 
@@ -30,6 +31,12 @@ namespace orthodrive::io {
 inline Vec2 lonlat_of(const osmium::Location& place) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   return place.valid() ? Vec2{place.lon(), place.lat()} : Vec2{nan, nan};
+}
+
+/// What libosmium says of a file that is whole, but in a form that it does not read; getting it again is of no use.
+inline bool is_other_osm_form(std::string_view what) {
+  return what.find("blobs not supported") != what.npos || what.find("required feature not supported") != what.npos ||
+         what.find("blob contains no data") != what.npos || what.find("Can not read file with version") != what.npos;
 }
 
 /// Runs `read`, turning whatever libosmium throws into an InputError of the file.
@@ -42,6 +49,12 @@ auto with_osm_errors(const std::filesystem::path& path, F&& read) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {  // io_error, xml_error, pbf_error, protozero's, system_error
+    if (is_other_osm_form(error.what()))
+      throw InputError(
+          path.string(),
+          fmt::format("is OSM in a form that is not read ({}); write it anew as .osm or .osm.pbf with a program that "
+                      "reads it, for example: osmium cat IN -o OUT.osm.pbf",
+                      printable(error.what())));
     throw InputError(
         path.string(),
         fmt::format("not an OSM file (.osm, .osm.pbf, also .gz or .bz2), or truncated ({}); get the file again",
@@ -140,9 +153,10 @@ void read_osm_sorted(const std::filesystem::path& path, F&& use) {
   use(sorted);
 }
 
+/// Blanks around a value are slips of the keyboard; of a key that is there twice the first value counts.
 [[nodiscard]] inline std::map<std::string, std::string> tags_of(const osmium::TagList& list) {
   std::map<std::string, std::string> tags;
-  for (const osmium::Tag& tag : list) tags.emplace(tag.key(), tag.value());
+  for (const osmium::Tag& tag : list) tags.emplace(tag.key(), roadquery::trimmed(tag.value()));
   return tags;
 }
 

@@ -25,13 +25,19 @@ namespace orthodrive::io {
 /// lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
 /// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
 /// lanes and speed that contradict each other or cannot be read, with what was taken), "osm.tag_not_read" (for each tag
-/// and value that tag_rules lists as not read), and the codes of omitted ways (osm_structure_tags.hpp). Turn
-/// restrictions and signs at nodes come along.
-/// Turning circles and passing places widen their roads.
+/// and value that tag_rules lists as not read), "osm.restriction_not_read" (osm_restrictions.hpp), and the codes of
+/// omitted ways (osm_structure_tags.hpp). Turn restrictions and signs at nodes come along. Turning circles and passing
+/// places widen their roads.
 [[nodiscard]] RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
                                          Findings* findings = nullptr);
 [[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site,
                                          Findings* findings = nullptr);
+
+/// Why an area of OSM has no polygon: its ring is open or crosses itself, or a part of it is not in the file.
+struct MissingArea {
+  std::string why;  ///< empty: nothing is missing
+  Box2 box;         ///< around what is known of it, in the CRS asked for
+};
 
 /// A polygon or line with its tags, in the site CRS, from GeoJSON, GeoPackage or the closed ways / open ways of .osm.
 struct Feature {
@@ -41,13 +47,14 @@ struct Feature {
   std::map<std::string, std::string> tags;
   std::string osm_id;  ///< "node/1", "way/123", "relation/45"; empty: not of OSM
   std::uint32_t osm_version = 0;
+  MissingArea missing;  ///< of closed ways and multipolygons of OSM
 };
 [[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
 /// Of several files, in their order. An object of OSM that is in several of them counts once, in its latest version.
 [[nodiscard]] std::vector<Feature> read_features(const std::vector<std::filesystem::path>& files,
                                                  const Crs& target_crs);
 /// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree,
-/// highway=street_lamp or what object_kind() knows.
+/// highway=street_lamp or what object_kind() knows. Areas that cannot be assembled come without polygons and say why.
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
 
 /// roads.gpkg: layers centrelines, nodes, surface as docs/build.md lists them. Dates are fixed unless the

@@ -122,6 +122,18 @@ void read_colors(const BuildingTags& tags, Building& building) {
   building.roof_color = color(tags.text("roof:colour"), building.roof_material);
 }
 
+/// Of a building whose outline is a line, or none at all.
+void report_missing(const Feature& feature, const Box2& area, Findings* findings) {
+  MissingArea missing = feature.missing;
+  if (missing.why.empty() && feature.polygons.empty() && !feature.lines.empty() && !feature.osm_id.empty())
+    missing = {"its outline is not closed", bounds_of(feature.lines.front())};
+  if (!findings || missing.why.empty() || !missing.box.overlaps(area)) return;
+  const double x = std::clamp(0.5 * (missing.box.min_x + missing.box.max_x), area.min_x, area.max_x),
+               y = std::clamp(0.5 * (missing.box.min_y + missing.box.max_y), area.min_y, area.max_y);
+  findings->push_back({Severity::info, "buildings.no_area",
+                       fmt::format("{}: {}; the building is left out", feature.osm_id, missing.why), x, y});
+}
+
 }  // namespace
 
 std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
@@ -134,6 +146,7 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
     const bool is_part = (!use || *use == "no") && part && *part != "no";
     if (is_part) use = part;
     if (!use || *use == "no") continue;
+    report_missing(feature, area, findings);
     for (Polygon& polygon : feature.polygons) {
       if (polygon.outer.size() < 3) continue;
       const Box2 box = bounds_of(polygon.outer);

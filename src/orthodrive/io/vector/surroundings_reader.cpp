@@ -108,9 +108,9 @@ class Collector {
     const std::string power = tag_of(tags, "power");
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
-    if (is_gravel(tags)) return add_areas(feature.polygons, result.gravel);
-    if (is_parking(tags)) return add_areas(feature.polygons, result.parking);
-    if (is_water(tags)) add_areas(feature.polygons, result.water);
+    if (is_gravel(tags)) return add_areas(feature, result.gravel, "gravel");
+    if (is_parking(tags)) return add_areas(feature, result.parking, "a car park");
+    if (is_water(tags)) add_areas(feature, result.water, "water");
   }
 
   MapSurroundings result;
@@ -133,8 +133,14 @@ class Collector {
       add_line(closed);
     }
   }
-  void add_areas(MultiPolygon& polygons, MultiPolygon& areas) {
-    for (Polygon& polygon : polygons)
+  void add_areas(Feature& feature, MultiPolygon& areas, const char* what) {
+    const MissingArea& missing = feature.missing;
+    if (findings_ && !missing.why.empty() && missing.box.overlaps(area_))
+      findings_->push_back({Severity::info, "surroundings.no_area",
+                            fmt::format("{} ({}): {}; it is left out", feature.osm_id, what, missing.why),
+                            std::clamp(0.5 * (missing.box.min_x + missing.box.max_x), area_.min_x, area_.max_x),
+                            std::clamp(0.5 * (missing.box.min_y + missing.box.max_y), area_.min_y, area_.max_y)});
+    for (Polygon& polygon : feature.polygons)
       if (polygon.outer.size() >= 3 && is_near(polygon.outer)) areas.push_back(std::move(polygon));
   }
   void add_lines(std::vector<Polyline>& lines) {

@@ -228,7 +228,7 @@ BuildStage segment_stage(SiteBuild& build) {
   nlohmann::json options_in_key = frame_options(site.frame);
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
-          .version = 7,
+          .version = 8,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
