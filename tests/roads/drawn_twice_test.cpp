@@ -88,6 +88,16 @@ TEST(DrawOnce, one_line_for_each_direction_is_one_road) {
   EXPECT_EQ(road.nodes[1].width_m, default_width_m("secondary", 3, Oneway::no));
 }
 
+TEST(DrawOnce, a_bus_lane_drawn_as_a_way_of_its_own_stays_one) {
+  RoadNetwork roads{{}, {way_over(1, {1, 2, 3}, "secondary"), way_over(2, {3, 2, 1}, "secondary")}};
+  for (RoadPath& path : roads.paths) path.oneway = Oneway::forward;
+  roads.paths[0].lanes = 2, roads.paths[1].use = "bus";
+  EXPECT_EQ(draw(roads), 1U);
+  const RoadPath& road = roads.paths.at(0);
+  EXPECT_EQ(std::tuple(road.lanes_forward, road.lanes_backward), std::tuple(2, 1));
+  EXPECT_EQ(std::tuple(road.use, road.use_forward, road.use_backward), std::tuple("", "", "bus"));
+}
+
 TEST(DrawOnce, a_way_that_goes_back_on_itself_is_there_once) {
   RoadNetwork roads{{}, {way_over(1, {1, 2, 3, 2}), way_over(2, {5, 6, 10, 5, 6, 10, 5})}};
   EXPECT_EQ(draw(roads), 2U);

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -84,20 +85,31 @@ std::vector<std::size_t> by_importance(const std::vector<RoadPath>& paths) {
   return order;
 }
 
+/// Who may use the lanes of a one-way road, lane by lane.
+std::string lane_uses_of(const RoadPath& path) {
+  if (!path.use_forward.empty() || path.use.empty()) return path.use_forward;
+  std::string uses = path.use;
+  for (int i = 1; i < path.lanes; ++i) uses += "|" + path.use;
+  return uses;
+}
+
+std::string speeds_of(const RoadPath& path) {
+  if (!path.speeds_forward.empty() || path.speed_limit_kmh == 0.0) return path.speeds_forward;
+  return fmt::format("{:g}", path.speed_limit_kmh);
+}
+
 /// Makes one road for both directions of two one-way ones; `back` runs against `path`.
 void take_direction(RoadPath& path, const RoadPath& back) {
-  const bool is_told = path.lanes > 0 || back.lanes > 0;
+  const bool is_told = path.lanes > 0 || back.lanes > 0 || path.use != back.use;
   path.oneway = Oneway::no;
-  path.lanes_forward = std::max(1, path.lanes), path.lanes_backward = std::max(1, back.lanes);
-  path.lanes = is_told ? path.lanes_forward + path.lanes_backward : 0;
-  if (!is_told) path.lanes_forward = path.lanes_backward = 0;
-  path.turn_backward = back.turn_forward, path.use_backward = back.use_forward;
-  if (path.speeds_forward.empty() && path.speed_limit_kmh > 0.0)
-    path.speeds_forward = fmt::format("{:g}", path.speed_limit_kmh);
-  path.speeds_backward = !back.speeds_forward.empty() ? back.speeds_forward
-                         : back.speed_limit_kmh > 0.0 ? fmt::format("{:g}", back.speed_limit_kmh)
-                                                      : std::string();
+  path.use_backward = path.use != back.use ? lane_uses_of(back) : back.use_forward;
+  if (path.use != back.use) path.use_forward = lane_uses_of(path), path.use.clear();
+  path.turn_backward = back.turn_forward;
+  path.speeds_forward = speeds_of(path), path.speeds_backward = speeds_of(back);
   path.speed_limit_kmh = std::max(path.speed_limit_kmh, back.speed_limit_kmh);
+  path.lanes_forward = is_told ? std::max(1, path.lanes) : 0;
+  path.lanes_backward = is_told ? std::max(1, back.lanes) : 0;
+  path.lanes = path.lanes_forward + path.lanes_backward;
   path.placement = {};
   if (path.width_source == WidthSource::tag) return;
   const double width_m = default_width_m(path.highway, path.lanes, path.oneway);

@@ -63,7 +63,7 @@ class RestrictionReader {
       return unread(Severity::warning, fmt::format("{} lacks from, via or to and is left out", value));
     if (!members_.via_ways.empty() || members_.via_nodes.size() != 1)
       return unread(Severity::warning,
-                    fmt::format("{} goes over a way: those over one node alone are read, the turn stays open", value));
+                    fmt::format("{} goes over a way and is left out: those over one node are read", value));
     OsmRestrictions all;
     for (const std::int64_t a : members_.from_ways)
       for (const std::int64_t b : to_)
