@@ -69,8 +69,7 @@ TEST(OsmOddities, restrictions_of_cars_that_are_not_read_are_told) {
   const std::string ways = way_of(7, {11, 21}, street) + way_of(8, {21, 31}, street) + way_of(9, {31, 32}, street);
   const std::string over_node =
                         member_xml("way", 7, "from") + member_xml("node", 21, "via") + member_xml("way", 8, "to"),
-                    over_way = member_xml("way", 7, "from") + member_xml("way", 8, "via") + member_xml("way", 9, "to"),
-                    far = member_xml("way", 70, "from") + member_xml("way", 8, "via") + member_xml("way", 90, "to");
+                    over_way = member_xml("way", 7, "from") + member_xml("way", 8, "via") + member_xml("way", 9, "to");
   const auto restriction = [](int id, const std::string& members, io::OsmTags tags) {
     tags.emplace("type", "restriction");
     return relation_of(id, members, tags);
