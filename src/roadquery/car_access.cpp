@@ -2,7 +2,9 @@
 #include "roadquery/car_access.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
+#include <string_view>
 #include <utility>
 
 namespace roadquery {
@@ -18,19 +20,18 @@ bool names_cars(const std::vector<std::string>& whom) {
 /// Entries of one place: closed to whom a rule denies, and to all others where one allows somebody.
 struct Rules {
   double s = 0.0;
-  bool denied = false, allows_cars = false, allows_others = false;
+  bool denied = false;
+  std::vector<std::string> allowed;
 
   void add(const RoadParts::Access& access) {
     if (!access.allows) {
       denied = denied || names_cars(access.whom);
       return;
     }
-    for (const std::string& who : access.whom) {
-      if (who == "none") continue;
-      (who == "passengerCar" ? allows_cars : allows_others) = true;
-    }
+    for (const std::string& who : access.whom)
+      if (who != "none" && std::find(allowed.begin(), allowed.end(), who) == allowed.end()) allowed.push_back(who);
   }
-  [[nodiscard]] bool closed() const { return denied || (allows_others && !allows_cars); }
+  [[nodiscard]] bool closed() const { return denied || (!allowed.empty() && !names_cars(allowed)); }
 };
 
 std::vector<Rules> rules_along(std::vector<RoadParts::Access> accesses) {
@@ -50,9 +51,44 @@ double section_length(const Road& road, const std::vector<double>& starts, doubl
   return std::max((next != starts.end() ? *next : road.length) - s, 0.0);
 }
 
+/// What 1.8 writes as a driving lane for those alone, others as a type.
+LaneType closed_type(const std::vector<std::string>& allowed) {
+  const auto are_all = [&](std::initializer_list<std::string_view> some) {
+    return !allowed.empty() && std::all_of(allowed.begin(), allowed.end(), [&](const std::string& who) {
+      return std::find(some.begin(), some.end(), who) != some.end();
+    });
+  };
+  if (are_all({"taxi"})) return LaneType::taxi;
+  if (are_all({"bus", "taxi"})) return LaneType::bus;
+  if (are_all({"bicycle"})) return LaneType::biking;
+  return LaneType::other;
+}
+
+/// What holds along more than half of a lane.
+struct LaneAccess {
+  bool closed = false, changes = false;
+  std::vector<std::string> allowed;
+};
+
+LaneAccess access_of(const std::vector<Rules>& rules, double length_m) {
+  constexpr double short_m = 2.0;
+  double closed_m = 0.0;
+  std::map<std::vector<std::string>, double> allowed_m;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const double end = std::min(i + 1 < rules.size() ? rules[i + 1].s : length_m, length_m);
+    const double along_m = std::max(end - rules[i].s, 0.0);
+    if (rules[i].closed()) closed_m += along_m;
+    allowed_m[rules[i].allowed] += along_m;
+  }
+  LaneAccess access{closed_m > 0.5 * length_m, closed_m > short_m && length_m - closed_m > short_m, {}};
+  for (const auto& [allowed, along_m] : allowed_m)
+    if (along_m > 0.5 * length_m) access.allowed = allowed;
+  return access;
+}
+
 }  // namespace
 
-void close_lanes_to_cars(Road& road, const std::vector<RoadParts::Access>& accesses, NoteList& notes) {
+void read_lane_access(Road& road, const std::vector<RoadParts::Access>& accesses, NoteList& notes) {
   std::map<std::pair<std::size_t, int>, std::vector<RoadParts::Access>> of_lanes;
   for (const RoadParts::Access& access : accesses) of_lanes[{access.section, access.lane}].push_back(access);
   std::vector<double> starts;
@@ -62,20 +98,16 @@ void close_lanes_to_cars(Road& road, const std::vector<RoadParts::Access>& acces
   for (auto& [place, of_lane] : of_lanes) {
     LaneSection& section = road.sections[place.first];
     const double length_m = section_length(road, starts, section.s);
-    const std::vector<Rules> rules = rules_along(std::move(of_lane));
-    double closed_m = 0.0;
-    for (std::size_t i = 0; i < rules.size(); ++i) {
-      const double end = i + 1 < rules.size() ? rules[i + 1].s : length_m;
-      if (rules[i].closed()) closed_m += std::max(std::min(end, length_m) - rules[i].s, 0.0);
-    }
-    constexpr double short_m = 2.0;
-    if (closed_m > short_m && length_m - closed_m > short_m)
+    LaneAccess access = access_of(rules_along(std::move(of_lane)), length_m);
+    if (access.changes)
       notes.add("opendrive.access",
                 "<access> opens and closes a lane within its section: what holds along most of it counts", true,
                 {road.id, section.s});
-    if (closed_m <= 0.5 * length_m) continue;
-    for (Lane& lane : place.second > 0 ? section.left : section.right)
-      if (lane.id == place.second && lane.type == LaneType::driving) lane.type = LaneType::other;
+    for (Lane& lane : place.second > 0 ? section.left : section.right) {
+      if (lane.id != place.second) continue;
+      if (access.closed && is_driven(lane.type)) lane.type = closed_type(access.allowed);
+      lane.allowed = access.allowed;
+    }
   }
 }
 

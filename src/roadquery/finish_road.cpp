@@ -10,6 +10,7 @@
 #include "roadquery/level_lanes.hpp"
 #include "roadquery/road_extent.hpp"
 #include "roadquery/road_structures.hpp"
+#include "roadquery/single_sides.hpp"
 
 namespace roadquery {
 namespace {
@@ -197,8 +198,9 @@ void finish_road(Road& road, RoadParts parts, NoteList& notes) {
   for (RoadParts::Border& border : parts.borders)
     put_in_order(border.t, {road, "border", notes, road.sections[border.section].s}, s_of);
   widths_from_borders(road, parts.borders, notes);
-  close_lanes_to_cars(road, parts.accesses, notes);
+  read_lane_access(road, parts.accesses, notes);
   sort_sections(road, notes);
+  continue_sides(road, parts.single_sides);
   fit_to_road(road, notes);
   add_crossfall(road, parts, notes);
   keep_level_lanes(road);

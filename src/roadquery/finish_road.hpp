@@ -32,12 +32,18 @@ struct RoadParts {
   std::vector<Access> accesses;
   /// <crossfall> (1.2 - 1.4, 5.3.6.2): by which angle a half falls outwards.
   std::vector<Cubic> crossfall_left, crossfall_right;
+  /// A section with singleSide="true", and of which sides it has an element.
+  struct SingleSide {
+    double s = 0.0;
+    bool has_left = false, has_right = false;
+  };
+  std::vector<SingleSide> single_sides;
 };
 
 /// Sorts all that goes along the road; of two that stand at one place the later one counts. Then turns borders into
 /// widths, crossfall into shapes, and what `level` means into heights of lanes, and looks how far the elements go
-/// (road_extent.hpp). Driving lanes that no car may use are
-/// of the type `other`. Notes say what was odd.
+/// (road_extent.hpp). Sections of a single side get the other one. Driving lanes that no car may use are of another
+/// type. Notes say what was odd.
 void finish_road(Road& road, RoadParts parts, NoteList& notes);
 
 }  // namespace roadquery

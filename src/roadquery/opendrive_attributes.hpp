@@ -3,6 +3,7 @@
 // The attributes of one element of an OpenDRIVE file, checked as they are read.
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -38,6 +39,10 @@ class Attributes {
     const char* value = find(name);
     return value != nullptr ? value : "";
   }
+  [[nodiscard]] bool flag(std::string_view name) const {
+    const std::string value = text(name);
+    return value == "true" || value == "1";
+  }
   [[nodiscard]] std::string_view required(std::string_view name) const {
     const char* value = find(name);
     if (value == nullptr) throw std::runtime_error("<" + element_ + "> lacks the attribute " + std::string(name));
@@ -50,19 +55,23 @@ class Attributes {
   }
   [[nodiscard]] int integer(std::string_view name) const { return parse<int>(name, required(name)); }
 
+  /// As XML Schema writes numbers: blanks around it, a plus before it. Nothing for what is none.
   template <typename T>
-  [[nodiscard]] T parse(std::string_view name, std::string_view value) const {
+  [[nodiscard]] static std::optional<T> number_of(std::string_view value) {
     value = trimmed(value, " \t\r\n");
     if (value.starts_with('+')) value.remove_prefix(1);
     T result{};
     const auto [end, error] = number_from_text(value, result);
     bool good = error == std::errc{} && end == value.data() + value.size();
     if constexpr (std::is_floating_point_v<T>) good = good && std::isfinite(result);
-    if (!good) {
-      throw std::runtime_error("<" + element_ + "> has " + std::string(name) + "=\"" + std::string(value) +
-                               "\", which is not " + (std::is_integral_v<T> ? "an integer" : "a number"));
-    }
-    return result;
+    return good ? std::optional(result) : std::nullopt;
+  }
+  template <typename T>
+  [[nodiscard]] T parse(std::string_view name, std::string_view value) const {
+    if (const auto number = number_of<T>(value)) return *number;
+    throw std::runtime_error("<" + element_ + "> has " + std::string(name) + "=\"" +
+                             std::string(trimmed(value, " \t\r\n")) + "\", which is not " +
+                             (std::is_integral_v<T> ? "an integer" : "a number"));
   }
 
  private:

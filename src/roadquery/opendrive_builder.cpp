@@ -269,7 +269,7 @@ class Builder {
       road.junction = junction.empty() || junction == "-1" ? -1 : junction_ids_.number(junction);
       road.driving_side = a.text("rule") == "LHT" ? DrivingSide::left : DrivingSide::right;
       map.roads.push_back(std::move(road));
-      parts_ = {};
+      parts_ = {}, is_single_side_ = false;
       in_road_ = true;
     } else if (name == "junction") {
       map.junctions.push_back({junction_ids_.number(a.required("id")), a.text("name"), {}, {}, {}});
@@ -324,6 +324,11 @@ class Builder {
       lane_ = nullptr;  // would point into the old place of the sections
       road.sections.emplace_back();
       road.sections.back().s = a.number("s");
+      is_single_side_ = a.flag("singleSide");
+      if (is_single_side_) parts_.single_sides.push_back({road.sections.back().s});
+    } else if (parent == "laneSection" && (name == "left" || name == "right")) {
+      if (is_single_side_)
+        (name == "left" ? parts_.single_sides.back().has_left : parts_.single_sides.back().has_right) = true;
     } else if ((parent == "left" || parent == "center" || parent == "right") && name == "lane") {
       start_lane(road, parent, a);
     } else if (lane_ != nullptr) {
@@ -347,9 +352,8 @@ class Builder {
     const std::string max = lowered(trimmed(a.text("max"))), unit = lowered(trimmed(a.text("unit")));
     if (max == "no limit") return std::numeric_limits<double>::infinity();
     if (max.empty() || max == "undefined") return 0.0;
-    double value = 0.0;
-    const auto [end, error] = number_from_text(max, value);
-    if (error != std::errc{} || end != max.data() + max.size() || !(value > 0.0) || !std::isfinite(value)) {
+    const double value = Attributes::number_of<double>(max).value_or(0.0);
+    if (!(value > 0.0)) {
       notes.add("opendrive.speed", "<speed> has max=\"" + max + "\", which is no speed: it is taken as not given", true,
                 here());
       return 0.0;
@@ -447,13 +451,9 @@ class Builder {
     if (std::abs(static_cast<std::int64_t>(lane.id)) > most_lanes)
       throw std::runtime_error("a lane has the id " + std::to_string(lane.id));
     lane.type = lane_type(a.text("type"));
-    const std::string direction = a.text("direction");
-    if (direction == "reversed" || direction == "both")
-      notes.add("opendrive.lane_direction",
-                "lanes have direction=\"" + direction + "\", which is not read: they lead as their side says", true,
-                here());
-    const std::string level = a.text("level");
-    lane.level = level == "true" || level == "1";
+    read_direction(lane, a);
+    note_lane_attributes(a);
+    lane.level = a.flag("level");
     if (side == "center" ? lane.id != 0 : (side == "left") != (lane.id > 0) || lane.id == 0) {
       throw std::runtime_error("lane " + std::to_string(lane.id) + " stands under <" + std::string(side) + ">");
     }
@@ -464,6 +464,26 @@ class Builder {
       std::vector<Lane>& lanes = side == "left" ? section.left : section.right;
       lanes.push_back(std::move(lane));
       lane_ = &lanes.back();
+    }
+  }
+
+  /// 1.8 has it in place of the type "bidirectional".
+  void read_direction(Lane& lane, const Attributes& a) {
+    const std::string direction = a.text("direction");
+    if (direction == "both" && lane.type == LaneType::driving) lane.type = LaneType::bidirectional;
+    if (direction == "reversed" && lane.type == LaneType::driving)
+      notes.add("opendrive.lane_direction",
+                "driving lanes have direction=\"reversed\", which is not read: they lead as their side says", true,
+                here());
+  }
+  /// Of 1.8, about lanes that change by the hour or that others may use.
+  void note_lane_attributes(const Attributes& a) {
+    for (const char* name : {"advisory", "dynamicLaneDirection", "dynamicLaneType", "roadWorks"}) {
+      const std::string value = a.text(name);
+      if (value.empty() || value == "none" || value == "false" || value == "0") continue;
+      notes.add("opendrive.not_read",
+                std::string("<lane> has ") + name + "=\"" + value + "\", which is not read: its type counts", true,
+                here());
     }
   }
 
@@ -482,8 +502,6 @@ class Builder {
       lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
     } else if (parent == "lane" && name == "material" && lane_->id != 0) {
       read_material(*lane_, a);
-    } else if (parent == "lane" && name == "access" && lane_->id != 0) {
-      if (a.text("rule") == "allow") lane_->allowed.push_back(a.text("restriction"));
     } else if (parent == "lane" && name == "height" && lane_->id != 0) {
       read_height(*lane_, a);
     } else if (parent == "link" && name == "predecessor") {
@@ -605,8 +623,9 @@ class Builder {
   std::size_t passed_ = 0;         ///< depth of the element that is passed over with all that is in it; 0: none
   NamespacePrefixes names_;
   OpenDriveIds road_ids_, junction_ids_;
-  RoadParts parts_;        ///< of the open <road>
-  bool has_grid_ = false;  ///< the open <junction> has an <elevationGrid>
+  RoadParts parts_;              ///< of the open <road>
+  bool is_single_side_ = false;  ///< the open <laneSection>
+  bool has_grid_ = false;        ///< the open <junction> has an <elevationGrid>
   bool in_road_ = false, in_junction_ = false;
   bool in_geometry_ = false;      ///< of the plan view
   bool has_shape_ = false;        ///< of that <geometry>

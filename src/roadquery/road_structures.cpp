@@ -6,6 +6,8 @@
 #include <map>
 #include <optional>
 
+#include "roadquery/later_start.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -44,35 +46,13 @@ std::vector<double> cuts_of(const Road& road) {
   return cuts;
 }
 
-/// Moves a list along the road; what a later entry takes over before the new start is left out.
-template <typename Item, typename Place>
-void move_back(std::vector<Item>& items, double by_m, const Place& place) {
-  for (Item& item : items) place(item) -= by_m;
-  const auto first = std::find_if(items.begin(), items.end(), [&](const Item& item) { return place(item) > 0.0; });
-  if (first != items.begin() && first != items.end()) items.erase(items.begin(), first - 1);
-  if (first == items.end() && !items.empty()) items.erase(items.begin(), items.end() - 1);
-}
-
-constexpr auto place_s = [](auto& item) -> auto& { return item.s; };
-constexpr auto place_offset = [](auto& item) -> auto& { return item.s_offset; };
-
-/// The first section of a piece begins where the piece does: its lanes' lists count from there. Cubics and heights keep
-/// where they began, before it.
+/// The first section of a piece begins where the piece does: its lanes' lists count from there.
 void start_section_at_0(LaneSection& section) {
   const double by_m = -section.s;
   section.s = 0.0;
-  const auto move_lane = [&](Lane& lane) {
-    move_back(lane.width, by_m, place_s);
-    move_back(lane.marks, by_m, place_offset);
-    move_back(lane.materials, by_m, place_offset);
-    move_back(lane.speeds, by_m, place_s);
-    for (LaneHeight& height : lane.heights) height.s_offset -= by_m;
-    for (RoadMark& mark : lane.marks) mark.s_offset = std::max(mark.s_offset, 0.0);
-    for (LaneMaterial& material : lane.materials) material.s_offset = std::max(material.s_offset, 0.0);
-    for (SpeedLimit& limit : lane.speeds) limit.s = std::max(limit.s, 0.0);
-  };
-  move_lane(section.center);
-  for (auto* side : {&section.left, &section.right}) std::for_each(side->begin(), side->end(), move_lane);
+  start_lane_later(section.center, by_m);
+  for (auto* side : {&section.left, &section.right})
+    for (Lane& lane : *side) start_lane_later(lane, by_m);
 }
 
 /// Of the lanes at a cut: the same on its other side.

@@ -392,14 +392,16 @@ TEST_F(ForeignFile, lanes_closed_to_cars_are_not_driven) {
     const RoadMap map = read(road_of(straight + "<lanes>" + sections("", lane(-1, access)) + "</lanes>"));
     return map.roads[0].sections[0].right[0].type;
   };
-  for (
-      const char* closed :
-      {R"(<access sOffset="0" rule="allow" restriction="bus"/>)",
-       R"(<access sOffset="0" rule="deny" restriction="passengerCar"/>)",
-       R"(<access sOffset="1.000" rule="allow" restriction="bus"/><access sOffset="1.0000009" rule="allow" restriction="taxi"/>)",
-       R"(<access sOffset="0" rule="allow"><restriction type="bus"/><restriction type="bicycle"/></access>)",
-       R"(<access sOffset="0" rule="deny"><restriction type="truck"/><restriction type="passengerCar"/></access>)"})
-    EXPECT_EQ(type_with(closed), LaneType::other) << closed;
+  const std::pair<const char*, LaneType> all_closed[] = {
+      {R"(<access sOffset="0" rule="allow" restriction="bus"/>)", LaneType::bus},
+      {R"(<access sOffset="0" rule="deny" restriction="passengerCar"/>)", LaneType::other},
+      {R"(<access sOffset="1.000" rule="allow" restriction="bus"/><access sOffset="1.0000009" rule="allow" restriction="taxi"/>)",
+       LaneType::bus},
+      {R"(<access sOffset="0" rule="allow"><restriction type="bus"/><restriction type="bicycle"/></access>)",
+       LaneType::other},
+      {R"(<access sOffset="0" rule="deny"><restriction type="truck"/><restriction type="passengerCar"/></access>)",
+       LaneType::other}};
+  for (const auto& [closed, type] : all_closed) EXPECT_EQ(type_with(closed), type) << closed;
   for (
       const char* open :
       {"", R"(<access sOffset="0" rule="deny" restriction="truck"/>)", R"(<access sOffset="0" restriction="none"/>)",
@@ -470,6 +472,79 @@ TEST_F(ForeignFile, a_road_has_a_surface_of_its_own) {
   EXPECT_STREQ(rq_road_text_id(map, 1), "");
   EXPECT_EQ(rq_road_text_id(map, 9), nullptr);
   rq_free(map);
+}
+
+std::string lane_of(const std::string& attributes, const std::string& inside = "") {
+  return "<lane " + attributes + "><width sOffset=\"0\" a=\"3\" b=\"0\" c=\"0\" d=\"0\"/>" + inside + "</lane>";
+}
+
+TEST_F(ForeignFile, access_and_direction_stand_for_types_of_lanes) {
+  const auto allow = [](const std::string& who) {
+    return "<access sOffset=\"0\" rule=\"allow\"><restriction type=\"" + who + "\"/></access>";
+  };
+  const RoadMap map = read(road_of(
+      straight + "<lanes><laneSection s=\"0\"><left>" + lane_of("id=\"1\" type=\"driving\" direction=\"both\"") +
+      lane_of("id=\"2\" type=\"biking\" direction=\"both\"") +
+      "</left><center><lane id=\"0\" type=\"none\"/></center><right>" +
+      lane_of("id=\"-1\" type=\"driving\"", allow("bus") + allow("taxi")) +
+      lane_of("id=\"-2\" type=\"driving\"", allow("taxi")) + lane_of("id=\"-3\" type=\"driving\"", allow("bicycle")) +
+      lane_of("id=\"-4\" type=\"driving\"", allow("truck")) +
+      lane_of("id=\"-5\" type=\"driving\" direction=\"both\"", allow("bus")) +
+      lane_of("id=\"-6\" type=\"driving\" advisory=\"outer\" roadWorks=\"false\" direction=\"reversed\"") +
+      "</right></laneSection></lanes>"));
+  const LaneSection& section = map.roads.at(0).sections.at(0);
+  EXPECT_EQ(section.left[0].type, LaneType::bidirectional);
+  EXPECT_EQ(section.left[1].type, LaneType::biking);
+  const std::vector<LaneType> types = {LaneType::bus,   LaneType::taxi, LaneType::biking,
+                                       LaneType::other, LaneType::bus,  LaneType::driving};
+  for (std::size_t i = 0; i < types.size(); ++i) EXPECT_EQ(section.right[i].type, types[i]) << i;
+  EXPECT_EQ(section.right[0].allowed, (std::vector<std::string>{"bus", "taxi"}));
+  EXPECT_TRUE(section.right[5].allowed.empty());
+  EXPECT_THAT(notes_of(map), HasSubstr("opendrive.lane_direction: driving lanes have direction=\"reversed\""));
+  EXPECT_THAT(notes_of(map), HasSubstr("opendrive.not_read: <lane> has advisory=\"outer\""));
+  EXPECT_EQ(notes_of(map).find("roadWorks"), std::string::npos);
+}
+
+TEST_F(ForeignFile, a_section_of_a_single_side_leaves_the_other_one) {
+  const std::string center = "<center><lane id=\"0\" type=\"none\"/></center>";
+  const auto section = [&](const std::string& attributes, const std::string& sides) {
+    return "<laneSection " + attributes + ">" + center + sides + "</laneSection>";
+  };
+  const RoadMap map = read(
+      road_of(straight + "<lanes>" +
+              section("s=\"0\"", "<left>" + lane_of("id=\"1\" type=\"driving\"") + "</left><right>" +
+                                     lane_of("id=\"-1\" type=\"driving\"",
+                                             "<width sOffset=\"50\" a=\"3\" b=\"0.01\" c=\"0\" d=\"0\"/>"
+                                             "<speed sOffset=\"10\" max=\"+50\" unit=\"km/h\"/>"
+                                             "<link><successor id=\"-2\"/></link>") +
+                                     "</right>") +
+              section("s=\"80\" singleSide=\"true\"", "<left/>") +
+              section("s=\"120\" singleSide=\"1\"", "<left>" + lane_of("id=\"1\" type=\"driving\"") + "</left>") +
+              section("s=\"160\" singleSide=\"false\"", "<left>" + lane_of("id=\"1\" type=\"driving\"") + "</left>") +
+              "</lanes>"));
+  const Road& road = map.roads.at(0);
+  for (const double s : {20.0, 60.0, 100.0, 150.0})
+    EXPECT_NEAR(road_edges(road, s).right_t, -3.0 - 0.01 * std::max(0.0, s - 50.0), 1e-12) << s;
+  EXPECT_EQ(road_edges(road, 180.0).right_t, 0.0);
+  EXPECT_EQ(road_edges(road, 100.0).left_t, 0.0) << "an empty side is a side";
+  EXPECT_EQ(road_edges(road, 130.0).left_t, 3.0);
+  EXPECT_NEAR(lane_limit_mps(road, -1, 130.0), 50.0 / 3.6, 1e-12);
+  EXPECT_EQ(road.sections[0].right[0].successor, -1);
+  EXPECT_EQ(road.sections[1].right[0].predecessor, -1);
+  EXPECT_EQ(road.sections[2].right[0].successor, -2) << "behind the end of its last part";
+}
+
+TEST_F(ForeignFile, a_road_cut_at_a_bridge_keeps_what_begins_before_the_cut) {
+  // One entry behind the cut, one that goes over it, one before: the middle one must stay.
+  const RoadMap map = cut_at_structures(
+      read(road_of(straight +
+                   "<elevationProfile><elevation s=\"0\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/>"
+                   "<elevation s=\"50\" a=\"2\" b=\"0\" c=\"0\" d=\"0\"/>"
+                   "<elevation s=\"150\" a=\"3\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile>" +
+                   two_lanes + "<objects><bridge id=\"b\" s=\"100\" length=\"90\" type=\"steel\"/></objects>")));
+  ASSERT_EQ(map.roads.size(), 3u);
+  EXPECT_EQ(elevation(map.roads[1], 20.0), 2.0);
+  EXPECT_EQ(elevation(map.roads[1], 70.0), 3.0);
 }
 
 }  // namespace

@@ -1,150 +1,313 @@
 // SPDX-License-Identifier: Apache-2.0
-// One road, spelt as OpenDRIVE 1.4, 1.6 and 1.8 allow and as their writers do: the same surface, lanes and limits.
+// Random maps, spelt as OpenDRIVE 1.1 to 1.8 allow and as their writers do: the same surface, lanes, limits and links.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <cstdlib>
 #include <fstream>
-#include <random>
-#include <sstream>
+#include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/level_lanes.hpp"
+#include "roadquery/road_query.hpp"
+#include "roadquery/road_structures.hpp"
 #include "roadquery/speed_limits.hpp"
+#include "roadquery/spell_opendrive.hpp"
+#include "sanitized.hpp"
 
 namespace roadquery {
 namespace {
 
-/// Numbers of a random road of 100 m with a lane on the left and two on the right.
-struct Drawn {
-  double hdg, elevation[4], bank[2], slope_right, slope_left, width[3], widening, limit_kmh, bridge_s;
-};
+using test::Encoding;
+using test::MapSpelling;
 
-/// How it is spelt.
-struct Spelling {
-  bool borders = false, crossfall = false, shuffled = false, repeated = false, prefix = false, text_ids = false;
-};
-
-Drawn draw(std::mt19937& random) {
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
-  };
-  return {between(-3.0, 3.0),
-          {between(0.0, 9.0), between(-0.05, 0.05), between(-1e-4, 1e-4), between(-1e-6, 1e-6)},
-          {between(-0.05, 0.05), between(-1e-4, 1e-4)},
-          between(0.0, 0.04),
-          between(0.0, 0.04),
-          {between(2.5, 4.0), between(2.5, 4.0), between(1.0, 3.0)},
-          between(0.0, 0.02),
-          between(30.0, 130.0),
-          between(10.0, 40.0)};
-}
-
-std::string number(double v) {
-  std::ostringstream text;
-  text.precision(17);
-  text << v;
-  return text.str();
-}
-
-std::string cubic_element(const std::string& name, const std::string& at, double s, double a, double b = 0.0,
-                          double c = 0.0, double d = 0.0) {
-  return "<" + name + " " + at + "=\"" + number(s) + "\" a=\"" + number(a) + "\" b=\"" + number(b) + "\" c=\"" +
-         number(c) + "\" d=\"" + number(d) + "\"/>";
-}
-
-/// Elements of one list in any order, each of them perhaps preceded by another one that the last one overrules.
-std::string listed(std::vector<std::string> elements, const std::string& overruled, const Spelling& how,
-                   std::mt19937& random) {
-  if (how.shuffled) std::shuffle(elements.begin(), elements.end(), random);
-  std::string text = how.repeated ? overruled : "";
-  for (const std::string& element : elements) text += element;
-  return text;
-}
-
-std::string lane_text(int id, double inner, double sign, double width, double widening, const Spelling& how) {
-  const std::string at = "<lane id=\"" + std::to_string(id) + "\" type=\"driving\" level=\"false\">";
-  return at +
-         (how.borders ? cubic_element("border", "sOffset", 0.0, inner + sign * width, sign * widening)
-                      : cubic_element("width", "sOffset", 0.0, width, widening)) +
-         "</lane>";
-}
-
-std::string lateral_text(const Drawn& drawn, const Spelling& how, std::mt19937& random) {
-  const std::string bank = cubic_element("superelevation", "s", 0.0, drawn.bank[0], drawn.bank[1]);
-  const std::string wrong_bank = cubic_element("superelevation", "s", 0.0, 0.3);
-  std::string text = listed({bank, cubic_element("superelevation", "s", 50.0, drawn.bank[0] + 50.0 * drawn.bank[1])},
-                            wrong_bank, how, random);
-  if (how.crossfall) {
-    for (const bool left : {true, false}) {
-      std::string element =
-          cubic_element("crossfall", "s", 0.0, std::atan(left ? drawn.slope_left : drawn.slope_right));
-      text += element.insert(11, left ? "side=\"left\" " : "side=\"right\" ");
-    }
-    return text;
+std::string utf8_of_latin1(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x80)
+      result += c;
+    else
+      result += static_cast<char>(0xc0u | (code >> 6)), result += static_cast<char>(0x80u | (code & 0x3fu));
   }
-  const auto shape = [](double t, double a, double b) {
-    std::string element = cubic_element("shape", "s", 0.0, a, b);
-    return element.insert(7, "t=\"" + number(t) + "\" ");
-  };
-  return text + listed({shape(-20.0, -20.0 * drawn.slope_right, drawn.slope_right), shape(0.0, 0.0, -drawn.slope_left)},
-                       shape(0.0, 0.5, 0.0), how, random);
+  return result;
 }
 
-std::string spelt(const Drawn& drawn, const Spelling& how, std::mt19937& random) {
-  const auto& e = drawn.elevation;
-  const double ds = 40.0;
-  const std::string profile =
-      listed({cubic_element("elevation", "s", 0.0, e[0], e[1], e[2], e[3]),
-              cubic_element("elevation", "s", ds, e[0] + ds * (e[1] + ds * (e[2] + ds * e[3])),
-                            e[1] + ds * (2 * e[2] + ds * 3 * e[3]), e[2] + 3 * ds * e[3], e[3])},
-             cubic_element("elevation", "s", 0.0, 77.0), how, random);
-  const auto& w = drawn.width;
-  std::string text =
-      "<OpenDRIVE><header revMajor=\"1\" revMinor=\"4\"/><road name=\"\" length=\"100\" id=\"" +
-      std::string(how.text_ids ? "{road}" : "1") + "\" junction=\"-1\"><type s=\"0\" type=\"town\"><speed max=\"" +
-      number(how.shuffled ? drawn.limit_kmh / 3.6 : drawn.limit_kmh) + "\" unit=\"" + (how.shuffled ? "m/s" : "km/h") +
-      "\"/></type><planView><geometry s=\"0\" x=\"3\" y=\"4\" hdg=\"" + number(drawn.hdg) +
-      "\" length=\"100\"><arc curvature=\"0.004\"/></geometry></planView><elevationProfile>" + profile +
-      "</elevationProfile><lateralProfile>" + lateral_text(drawn, how, random) +
-      "</lateralProfile><lanes><laneSection s=\"0\"><left>" + lane_text(1, 0.0, 1.0, w[0], drawn.widening, how) +
-      "</left><center><lane id=\"0\" type=\"none\"/></center><right>" + lane_text(-1, 0.0, -1.0, w[1], 0.0, how) +
-      lane_text(-2, -w[1], -1.0, w[2], 0.0, how) + "</right></laneSection></lanes><objects><bridge s=\"" +
-      number(drawn.bridge_s) + "\" length=\"30\" id=\"b\" type=\"concrete\"/></objects></road></OpenDRIVE>";
-  if (!how.prefix) return text;
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; ++at)
-    text.insert(at + (text[at + 1] == '/' ? 2 : 1), "odr:");
-  return text.insert(text.find('>'), " xmlns:odr=\"http://code.asam.net/simulation/standard/opendrive_schema\"");
+/// As the random map should be read.
+RoadMap truth_of(const test::RandomMap& random) {
+  RoadMap map;
+  for (const test::RandomRoad& made : random.roads) {
+    Road road = made.road;
+    keep_level_lanes(road);
+    road.name = utf8_of_latin1(road.name);
+    for (RoadObject& object : road.objects) object.name = utf8_of_latin1(object.name);
+    map.roads.push_back(std::move(road));
+  }
+  map.junctions = random.junctions;
+  for (Junction& junction : map.junctions) junction.name = utf8_of_latin1(junction.name);
+  return map;
 }
 
-TEST(Spellings, of_one_road_read_to_one_surface) {
-  const std::string file = (std::filesystem::path(testing::TempDir()) / "spelt.xodr").string();
-  std::mt19937 random(40);
-  for (int round = 0; round < 12; ++round) {
-    const Drawn drawn = draw(random);
-    std::vector<Road> roads;
-    for (unsigned bits = 0; bits < 64; bits += bits == 0 ? 1 : 1 + random() % 9) {
-      const Spelling how{(bits & 1u) != 0, (bits & 2u) != 0,  (bits & 4u) != 0,
-                         (bits & 8u) != 0, (bits & 16u) != 0, (bits & 32u) != 0};
-      std::ofstream(file) << "<?xml version=\"1.0\"?>" << spelt(drawn, how, random);
-      roads.push_back(read_opendrive(file).roads.at(0));
-      const Road &first = roads.front(), &road = roads.back();
-      for (double s = 0.0; s <= 100.0; s += 12.5)
-        for (double t = -5.0; t <= 2.5; t += 0.75) {
-          const SurfacePoint p = surface_point(first, s, t), q = surface_point(road, s, t);
-          ASSERT_NEAR(p.x, q.x, 1e-9) << bits;
-          ASSERT_NEAR(p.y, q.y, 1e-9) << bits;
-          ASSERT_NEAR(p.z, q.z, 1e-9) << bits << " at " << s << ", " << t;
-          ASSERT_EQ(lane_id_at(first, s, t), lane_id_at(road, s, t));
+/// A map as it was read, beside what it should be.
+class Comparison {
+ public:
+  Comparison(const test::RandomMap& random, const RoadMap& truth, const RoadMap& read, const MapSpelling& how)
+      : random_(random), truth_(truth), read_(read) {
+    for (const auto& [is_road, count] : {std::pair{true, truth.roads.size()}, {false, truth.junctions.size()}})
+      for (std::size_t i = 0; i < count; ++i) {
+        const int id = is_road ? truth.roads[i].id : truth.junctions[i].id;
+        const std::string written = test::written_id(id, how);
+        for (const Road& road : read.roads)
+          if (is_road && (road.text_id.empty() ? std::to_string(road.id) : road.text_id) == written)
+            road_ids_[road.id] = id;
+        for (const Junction& junction : read.junctions)
+          if (!is_road && junction.name == truth.junctions[i].name) junction_ids_[junction.id] = id;
+      }
+  }
+
+  void roads(test::Dice& dice) {
+    ASSERT_EQ(road_ids_.size(), truth_.roads.size());
+    ASSERT_EQ(read_.roads.size(), truth_.roads.size());
+    for (const Road& got : read_.roads) {
+      const auto index = static_cast<std::size_t>(road_ids_.at(got.id));
+      const Road& truth = truth_.roads[index];
+      SCOPED_TRACE("road " + std::to_string(truth.id));
+      ASSERT_EQ(truth.name, got.name);
+      ASSERT_EQ(truth.length, got.length);
+      ASSERT_EQ(truth.driving_side, got.driving_side);
+      links(truth, got);
+      objects(truth, got);
+      for (int i = 0; i < 120; ++i) {
+        const double s = dice.between(0.0, truth.length);
+        surface(random_.roads[index], truth, got, s, dice);
+        limits(truth, got, s);
+        if (testing::Test::HasFatalFailure()) return;
+      }
+      for (int i = 0; i < 25; ++i) lanes(truth, got, dice.between(0.0, truth.length));
+    }
+  }
+  void junctions() {
+    ASSERT_EQ(junction_ids_.size(), truth_.junctions.size());
+    for (const Junction& got : read_.junctions) {
+      const Junction& truth = *std::find_if(truth_.junctions.begin(), truth_.junctions.end(),
+                                            [&](const Junction& j) { return j.id == junction_ids_.at(got.id); });
+      std::map<int, const Connection*> by_id;
+      for (const Connection& c : got.connections) by_id[c.id] = &c;
+      ASSERT_EQ(truth.connections.size(), by_id.size());
+      for (const Connection& c : truth.connections) {
+        const Connection& other = *by_id.at(c.id);
+        ASSERT_EQ(c.incoming_road, road_ids_.at(other.incoming_road));
+        ASSERT_EQ(c.connecting_road, road_ids_.at(other.connecting_road));
+        ASSERT_EQ(c.contact, other.contact);
+        ASSERT_EQ(c.lane_links.size(), other.lane_links.size());
+        for (std::size_t i = 0; i < c.lane_links.size(); ++i) {
+          ASSERT_EQ(c.lane_links[i].from, other.lane_links[i].from);
+          ASSERT_EQ(c.lane_links[i].to, other.lane_links[i].to);
         }
-      ASSERT_NEAR(lane_limit_mps(first, -1, 50.0), lane_limit_mps(road, -1, 50.0), 1e-9);
-      ASSERT_EQ(first.bridges.at(0).s_start, road.bridges.at(0).s_start);
+      }
+      ASSERT_EQ(truth.priorities.size(), got.priorities.size());
+      for (std::size_t i = 0; i < truth.priorities.size(); ++i) {
+        ASSERT_EQ(truth.priorities[i].high, road_ids_.at(got.priorities[i].high));
+        ASSERT_EQ(truth.priorities[i].low, road_ids_.at(got.priorities[i].low));
+      }
     }
   }
-  std::filesystem::remove(file);
+  /// What the tables of a query say, which are made of lists that may be cut otherwise.
+  void query(const RoadQuery& truth, test::Dice& dice) const {
+    const RoadQuery got(read_);
+    for (std::size_t i = 0; i < read_.roads.size(); ++i) {
+      const auto index = static_cast<std::size_t>(road_ids_.at(read_.roads[i].id));
+      for (int k = 0; k < 40; ++k) {
+        const double s = dice.between(0.0, truth_.roads[index].length), t = dice.between(-8.0, 8.0);
+        const auto p = truth.at(index, s, t), q = got.at(i, s, t);
+        ASSERT_EQ(p.has_value(), q.has_value());
+        if (!p || is_at_step(random_.roads[index], s)) continue;
+        ASSERT_NEAR(p->z, q->z, random_.roads[index].has_level ? 5e-4 : 1e-6);
+        ASSERT_EQ(p->lane_id, q->lane_id);
+        ASSERT_EQ(p->surface, q->surface) << "at " << s << ", " << t;
+        ASSERT_EQ(p->friction, q->friction);
+        ASSERT_EQ(p->roughness_m, q->roughness_m);
+      }
+    }
+  }
+
+ private:
+  void links(const Road& truth, const Road& got) {
+    ASSERT_EQ(truth.junction, got.junction < 0 ? -1 : junction_ids_.at(got.junction));
+    for (const auto member : {&Road::predecessor, &Road::successor}) {
+      const RoadLink &p = truth.*member, &q = got.*member;
+      ASSERT_EQ(p.kind, q.kind);
+      ASSERT_EQ(p.contact, q.contact);
+      if (p.kind == LinkKind::road) ASSERT_EQ(p.id, road_ids_.at(q.id));
+      if (p.kind == LinkKind::junction) ASSERT_EQ(p.id, junction_ids_.at(q.id));
+    }
+  }
+  void objects(const Road& truth, const Road& got) {
+    ASSERT_EQ(truth.objects.size(), got.objects.size());
+    for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+      const RoadObject &p = truth.objects[i], &q = got.objects[i];
+      ASSERT_EQ(std::tie(p.type, p.subtype, p.name, p.s, p.t, p.hdg, p.length, p.width, p.outline),
+                std::tie(q.type, q.subtype, q.name, q.s, q.t, q.hdg, q.length, q.width, q.outline));
+    }
+    ASSERT_EQ(truth.surface.size(), got.surface.size());
+    for (std::size_t i = 0; i < truth.surface.size(); ++i) {
+      const SurfaceCrg &p = truth.surface[i], &q = got.surface[i];
+      ASSERT_EQ(std::tie(p.file, p.s_start, p.s_end, p.orientation, p.mode, p.purpose, p.s_offset, p.t_offset,
+                         p.z_offset, p.z_scale, p.h_offset),
+                std::tie(q.file, q.s_start, q.s_end, q.orientation, q.mode, q.purpose, q.s_offset, q.t_offset,
+                         q.z_offset, q.z_scale, q.h_offset));
+    }
+    ASSERT_EQ(truth.bridge, got.bridge);
+    ASSERT_EQ(truth.tunnel, got.tunnel);
+    for (double s = 0.1; s < truth.length; s += 0.7) ASSERT_EQ(is_on_structure(truth, s), is_on_structure(got, s));
+  }
+  /// Between the two slopes of a crossfall that changes at once rounding counts a hundredfold.
+  static bool is_at_step(const test::RandomRoad& random, double s) {
+    return std::any_of(random.crossfall.begin(), random.crossfall.end(),
+                       [s](const test::CrossfallStep& step) { return std::abs(s - step.s) < 0.02; });
+  }
+  static void surface(const test::RandomRoad& random, const Road& truth, const Road& got, double s, test::Dice& dice) {
+    if (is_at_step(random, s)) return;
+    constexpr double exact_m = 1e-9, level_m = 3e-4;
+    for (int i = 0; i < 5; ++i) {
+      const double t = dice.between(-9.0, 9.0);
+      const SurfacePoint p = surface_point(truth, s, t), q = surface_point(got, s, t);
+      ASSERT_NEAR(p.x, q.x, exact_m) << "at " << s << ", " << t;
+      ASSERT_NEAR(p.y, q.y, exact_m) << "at " << s << ", " << t;
+      ASSERT_NEAR(p.z, q.z, random.has_level ? level_m : exact_m) << "at " << s << ", " << t;
+      for (int axis = 0; axis < 3 && !random.has_level; ++axis) ASSERT_NEAR(p.normal[axis], q.normal[axis], exact_m);
+      ASSERT_EQ(lane_id_at(truth, s, t), lane_id_at(got, s, t)) << "at " << s << ", " << t;
+    }
+  }
+  static void limits(const Road& truth, const Road& got, double s) {
+    for (const int lane : {0, 1, -1, 2, -2, -3}) {
+      const double p = lane_limit_mps(truth, lane, s), q = lane_limit_mps(got, lane, s);
+      if (std::isfinite(p))
+        ASSERT_NEAR(p, q, 1e-9) << "of lane " << lane << " at " << s;
+      else
+        ASSERT_EQ(p, q) << "of lane " << lane << " at " << s;
+    }
+  }
+  static void lanes(const Road& truth, const Road& got, double s) {
+    const LaneSection &p = section_at(truth, s), &q = section_at(got, s);
+    ASSERT_EQ(p.s, q.s);
+    marks(p.center, q.center, s - p.s);
+    for (const auto side : {&LaneSection::left, &LaneSection::right}) {
+      ASSERT_EQ((p.*side).size(), (q.*side).size()) << "at " << s;
+      for (std::size_t i = 0; i < (p.*side).size(); ++i) lane((p.*side)[i], (q.*side)[i], s - p.s);
+    }
+  }
+  static void lane(const Lane& p, const Lane& q, double s) {
+    SCOPED_TRACE("lane " + std::to_string(p.id));
+    ASSERT_EQ(p.id, q.id);
+    ASSERT_EQ(p.type, q.type);
+    ASSERT_EQ(p.level, q.level);
+    ASSERT_EQ(p.predecessor, q.predecessor);
+    ASSERT_EQ(p.successor, q.successor);
+    ASSERT_EQ(allowed(p), allowed(q));
+    ASSERT_NEAR(lane_width(p, s), lane_width(q, s), 1e-9);
+    marks(p, q, s);
+  }
+  static void marks(const Lane& p, const Lane& q, double s) {
+    const auto mark_at = [s](const Lane& lane) {
+      RoadMark found;
+      for (const RoadMark& mark : lane.marks)
+        if (mark.s_offset <= s) found = mark;
+      return std::pair(found.type, found.width);
+    };
+    ASSERT_EQ(mark_at(p), mark_at(q));
+  }
+  static std::vector<std::string> allowed(const Lane& lane) {
+    std::vector<std::string> who = lane.allowed;
+    if (who.empty() && lane.type == LaneType::bus) who = {"bus"};
+    if (who.empty() && lane.type == LaneType::taxi) who = {"taxi"};
+    std::sort(who.begin(), who.end());
+    return who;
+  }
+
+  const test::RandomMap& random_;
+  const RoadMap &truth_, &read_;
+  std::map<int, int> road_ids_, junction_ids_;  ///< as numbered by the reader: as in the truth
+};
+
+MapSpelling random_spelling(int minor, test::Dice& dice) {
+  MapSpelling how{minor, false, dice.one_in(2), dice.one_in(2), dice.one_in(2), {}};
+  how.xml.encoding = static_cast<Encoding>(dice.below(7));
+  if (minor >= 6 && dice.one_in(3)) how.xml.prefix = "odr";
+  how.xml.has_namespace = minor >= 6 && dice.one_in(2);
+  how.xml.any_order = dice.one_in(2);
+  how.xml.with_noise = dice.one_in(2);
+  return how;
 }
+
+class Spellings : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Spellings, of_one_map_read_to_one_surface) {
+  const unsigned seed = GetParam();
+  const char* kept = std::getenv("ORTHODRIVE_SPELT");  // a folder for the files, to look at
+  const test::RandomMap random = test::random_map(seed, 6);
+  const RoadMap truth = truth_of(random);
+  const RoadQuery truth_query(truth);
+  test::Dice dice(seed + 7);
+  int count = 0;
+  for (const int minor : {0, 1, 2, 3, 4, 5, 6, 7, 8, 8, 6, 4}) {
+    const std::string file = (kept != nullptr ? kept : testing::TempDir()) + "/spelt_" + std::to_string(seed) + "_" +
+                             std::to_string(count++) + ".xodr";
+    const MapSpelling how = minor == 0 ? MapSpelling{} : random_spelling(minor, dice);
+    const unsigned spelling_seed = seed * 100 + static_cast<unsigned>(dice.below(100));
+    std::ofstream(file, std::ios::binary) << test::spell_opendrive(random, how, spelling_seed);
+    SCOPED_TRACE("1." + std::to_string(how.minor) + (how.plain ? " plain" : "") + ", " + file);
+    const RoadMap read = read_opendrive(file);
+    for (const ReadingNote& note : read.notes)
+      ASSERT_TRUE(note.code != "opendrive.unknown_element" && note.code != "opendrive.not_read") << note.message;
+    Comparison comparison(random, truth, read, how);
+    comparison.roads(dice);
+    if (HasFatalFailure()) return;
+    comparison.junctions();
+    if (HasFatalFailure()) return;
+    comparison.query(truth_query, dice);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST_P(Spellings, cut_at_structures_are_one_surface) {
+  const RoadMap whole = truth_of(test::random_map(GetParam(), 12)), cut = cut_at_structures(whole);
+  test::Dice dice(GetParam());
+  const auto road_of = [&](int id) {
+    return &*std::find_if(cut.roads.begin(), cut.roads.end(), [id](const Road& road) { return road.id == id; });
+  };
+  for (const Road& road : whole.roads) {
+    SCOPED_TRACE("road " + std::to_string(road.id));
+    const Road* piece = road_of(road.id);
+    for (double begin = 0.0; begin < road.length - 1e-6; piece = road_of(piece->successor.id)) {
+      for (int i = 0; i < 60; ++i) {
+        const double in_piece = dice.between(0.0, piece->length), s = begin + in_piece, t = dice.between(-9.0, 9.0);
+        const SurfacePoint p = surface_point(road, s, t), q = surface_point(*piece, in_piece, t);
+        ASSERT_NEAR(p.x, q.x, 1e-9);
+        ASSERT_NEAR(p.y, q.y, 1e-9);
+        ASSERT_NEAR(p.z, q.z, 1e-9) << "at " << s << ", " << t;
+        ASSERT_EQ(lane_id_at(road, s, t), lane_id_at(*piece, in_piece, t)) << "at " << s << ", " << t;
+        for (const int lane : {-1, 1, -2})
+          ASSERT_EQ(lane_limit_mps(road, lane, s), lane_limit_mps(*piece, lane, in_piece));
+        if (is_on_structure(road, s - 0.5) == is_on_structure(road, s + 0.5))  // ends are rounded to that
+          ASSERT_EQ(is_on_structure(road, s), is_on_structure(*piece, in_piece));
+      }
+      begin += piece->length;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, Spellings,
+                         testing::ValuesIn(orthodrive::unless_sanitized(
+                             [] {
+                               std::vector<unsigned> seeds(20);
+                               for (unsigned i = 0; i < seeds.size(); ++i) seeds[i] = i + 1;
+                               return seeds;
+                             }(),
+                             6)));
 
 }  // namespace
 }  // namespace roadquery
