@@ -104,8 +104,8 @@ void add_network(CLI::App& app, Context& context) {
   add_tolerances(cmd, command->options.network);
   cmd->add_option(
       "--country", command->options.country,
-      "ISO 3166-1 code of the country whose law gives limits where no sign tells; default: that in which the "
-      "roads lie");
+      "code of the country (ISO 3166-1) or of its part (ISO 3166-2, such as US-CA) whose law gives limits where no "
+      "sign tells; default: that in which the roads lie");
   add_driving_side(cmd, command->options.driving_side, "right, left: where one drives");
   add_choice<Weather>(*cmd, "--weather", command->options.network.weather,
                       {{"dry", Weather::dry}, {"wet", Weather::wet}},

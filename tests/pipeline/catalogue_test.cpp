@@ -167,6 +167,90 @@ TEST(Catalogue, laws_of_speed_are_found_by_place) {
   EXPECT_THAT([] { check_country("SEE"); }, ThrowsMessage<OptionError>(HasSubstr("'SEE' is no country")));
 }
 
+struct KnownPlace {
+  std::string law;
+  double lon, lat;
+};
+// Capitals of all parts with a law of their own.
+const std::vector<KnownPlace> capitals_of_parts{
+    {"AU-NT", 130.84, -12.46}, {"AU-WA", 115.86, -31.95}, {"BE-BRU", 4.35, 50.85},   {"BE-VLG", 3.72, 51.05},
+    {"BE-WAL", 4.87, 50.47},   {"CA-MB", -97.14, 49.90},  {"CA-NT", -114.37, 62.45}, {"CA-NU", -68.52, 63.75},
+    {"CA-PE", -63.13, 46.24},  {"CA-QC", -71.21, 46.81},  {"CA-YT", -135.06, 60.72}, {"GB-NIR", -5.93, 54.60},
+    {"GB-SCT", -3.19, 55.95},  {"GB-WLS", -3.18, 51.48},  {"US-AL", -86.30, 32.37},  {"US-AR", -92.29, 34.75},
+    {"US-AZ", -112.07, 33.45}, {"US-CA", -121.49, 38.58}, {"US-CO", -104.99, 39.74}, {"US-CT", -72.68, 41.76},
+    {"US-DC", -77.04, 38.90},  {"US-DE", -75.52, 39.16},  {"US-FL", -84.28, 30.44},  {"US-GA", -84.39, 33.75},
+    {"US-ID", -116.20, 43.62}, {"US-IL", -89.65, 39.80},  {"US-IN", -86.16, 39.77},  {"US-KS", -95.68, 39.05},
+    {"US-KY", -84.87, 38.20},  {"US-MA", -71.06, 42.36},  {"US-MD", -76.49, 38.98},  {"US-ME", -69.78, 44.31},
+    {"US-MN", -93.09, 44.95},  {"US-MO", -92.17, 38.58},  {"US-MS", -90.18, 32.30},  {"US-MT", -112.04, 46.59},
+    {"US-NC", -78.64, 35.78},  {"US-ND", -100.78, 46.81}, {"US-NE", -96.70, 40.81},  {"US-NH", -71.54, 43.21},
+    {"US-NJ", -74.76, 40.22},  {"US-NM", -105.94, 35.69}, {"US-NV", -119.77, 39.16}, {"US-OR", -123.04, 44.94},
+    {"US-RI", -71.41, 41.82},  {"US-SC", -81.03, 34.00},  {"US-SD", -100.35, 44.37}, {"US-TN", -86.78, 36.16},
+    {"US-TX", -97.74, 30.27},  {"US-VA", -77.44, 37.54},  {"US-VT", -72.58, 44.26},  {"US-WA", -122.90, 47.04},
+    {"US-WY", -104.82, 41.14}};
+// Near borders, on islands, on both sides of a river; and in parts that have no law of their own.
+const std::vector<KnownPlace> places_at_borders{
+    {"US-MO", -94.578, 39.100}, {"US-KS", -94.640, 39.110}, {"US-NJ", -74.060, 40.720}, {"US", -74.000, 40.740},
+    {"US-VA", -77.110, 38.870}, {"US-IL", -87.650, 41.850}, {"US-IN", -87.490, 41.600}, {"US", -83.080, 42.350},
+    {"US-TX", -106.48, 31.770}, {"US-CA", -118.41, 33.390}, {"US-MA", -70.080, 41.280}, {"US-WA", -122.64, 45.660},
+    {"US-OR", -122.68, 45.520}, {"US-NV", -119.95, 39.240}, {"CA-QC", -75.720, 45.480}, {"CA", -75.690, 45.400},
+    {"CA", -83.020, 42.300},    {"CA", -79.380, 43.650},    {"BE-BRU", 4.340, 50.800},  {"BE-VLG", 4.430, 50.930},
+    {"BE-WAL", 4.400, 50.710},  {"BE-VLG", 5.460, 50.780},  {"BE-WAL", 5.570, 50.630},  {"GB", -2.890, 53.190},
+    {"GB-WLS", -3.000, 53.050}, {"GB", -2.930, 54.890},     {"GB-SCT", -3.070, 55.005}, {"GB-SCT", -1.150, 60.160},
+    {"GB-NIR", -6.340, 54.180}, {"IE", -6.400, 54.000},     {"GB", -0.120, 51.500},     {"AU", 151.21, -33.870},
+    {"MX", -117.03, 32.510},    {"BE-WAL", 2.930, 50.760},  {"FR", 2.35, 48.85},        {"DE", 13.40, 52.52}};
+
+TEST(Catalogue, laws_of_parts_are_found_by_place) {
+  const std::vector<Country> countries = read_countries(paths::in_source("catalogue"));
+  SpeedLaws laws = read_speed_laws(paths::in_source("catalogue"));
+  const auto law_of = [&](const KnownPlace& place) {
+    const Country* country = country_at(countries, {place.lon, place.lat});
+    return country ? law_at(*country, {place.lon, place.lat}) : std::string("none");
+  };
+  std::set<std::string> with_law, with_place;
+  for (const SpeedLaw& law : laws.laws)
+    if (law.country.find('-') != std::string::npos) with_law.insert(law.country);
+  for (const KnownPlace& place : capitals_of_parts) {
+    EXPECT_EQ(law_of(place), place.law);
+    with_place.insert(place.law);
+    laws.here = place.law;
+    const auto law = std::ranges::find(laws.laws, place.law, &SpeedLaw::country);
+    ASSERT_NE(law, laws.laws.end()) << place.law;
+    EXPECT_EQ(speed_of_context(laws, "urban"), law->urban) << place.law;
+  }
+  EXPECT_EQ(with_place, with_law);
+  for (const KnownPlace& place : places_at_borders)
+    EXPECT_EQ(law_of(place), place.law) << place.lon << " " << place.lat;
+  const PlaceRules austin = rules_at({"EPSG:32614"}, {620000, 3348000, 622000, 3350000});
+  EXPECT_EQ(austin.country, "US-TX");
+  laws.here = "US-TX";
+  EXPECT_NEAR(lawful_speed_kmh(laws, {.highway = "tertiary", .speed_context = "rural"}), 60 * 1.609344, 1e-9);
+  EXPECT_EQ(rules_at({"EPSG:32755"}, {693000, 6092000, 694000, 6093000}).country, "AU")
+      << "Canberra has the common law";
+}
+
+TEST(Catalogue, parts_of_countries_may_be_told) {
+  EXPECT_NO_THROW(check_country("US-CA"));
+  EXPECT_NO_THROW(check_country("BE-VLG"));
+  EXPECT_THAT(
+      [] { check_country("US-NY"); },
+      ThrowsMessage<OptionError>(HasSubstr(
+          "'US-NY' is no part of United States of America that has a law of its own in the catalogue; take US")));
+  EXPECT_THAT([] { check_country("XX-NY"); }, ThrowsMessage<OptionError>(HasSubstr("'XX-NY' is no country")));
+}
+
+TEST(Catalogue, of_parts_that_overlap_the_smaller_polygon_counts) {
+  const Country country{.id = "AA",
+                        .parts = {{"AA-1", "round it", {polygon_of_box({0.0, 0.0, 9.0, 9.0})}},
+                                  {"AA-2",
+                                   "in it and beside it",
+                                   {polygon_of_box({10.0, 0.0, 30.0, 20.0}), polygon_of_box({4.0, 4.0, 5.0, 5.0})}}}};
+  EXPECT_EQ(law_at(country, {4.5, 4.5}), "AA-2");
+  EXPECT_EQ(law_at(country, {5.5, 4.5}), "AA-1");
+  EXPECT_EQ(law_at(country, {20.0, 4.5}), "AA-2");
+  EXPECT_EQ(law_at(country, {9.5, 4.5}), "AA");
+  EXPECT_EQ(law_at({.id = "BB"}, {4.5, 4.5}), "BB");
+}
+
 TEST(Catalogue, the_extract_is_the_smallest_that_holds_the_place) {
   EXPECT_EQ(extract_area(catalogue(), around(11.58, 48.14))->geofabrik, "europe/germany/bayern");
   EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany/berlin");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "orthodrive/core/closest_word.hpp"
@@ -67,6 +68,17 @@ Country read_country(TomlSection& section) {
   country.driving_side = driving_side_of(side);
   country.outline = read_outline(section);
   return country;
+}
+
+CountryPart read_part(TomlSection& section, const std::vector<Country>& countries) {
+  CountryPart part;
+  for (const char* key : {"id", "name", "rings"}) section.require(key);
+  section.read("id", part.id);
+  section.read("name", part.name);
+  if (part.id.find('-') == std::string::npos || country_of(countries, part.id) == nullptr)
+    section.fail_at("id", "'" + part.id + "' is of no country of countries.toml; write it as US-CA");
+  part.outline = read_outline(section);
+  return part;
 }
 
 struct SpeedLawEntry {
@@ -252,12 +264,32 @@ Catalogue read_catalogue(const fs::path& folder) {
 std::vector<Country> read_countries(const fs::path& folder) {
   std::vector<Country> countries;
   read_entries(folder / "countries.toml", "country", countries, read_country);
+  std::vector<CountryPart> parts;
+  read_entries(folder / "parts.toml", "part", parts,
+               [&](TomlSection& section) { return read_part(section, countries); });
+  for (Country& country : countries)
+    for (CountryPart& part : parts)
+      if (part.id.starts_with(country.id + "-")) country.parts.push_back(std::move(part));
   return countries;
 }
 
 const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat) {
   const auto found = std::ranges::find_if(countries, [&](const Country& c) { return contains(c.outline, lonlat); });
   return found == countries.end() ? nullptr : &*found;
+}
+
+const Country* country_of(const std::vector<Country>& countries, const std::string& id) {
+  const auto found = std::ranges::find(countries, id.substr(0, id.find('-')), &Country::id);
+  return found == countries.end() ? nullptr : &*found;
+}
+
+std::string law_at(const Country& country, Vec2 lonlat) {
+  const std::string* law = &country.id;
+  double least = std::numeric_limits<double>::infinity();
+  for (const CountryPart& part : country.parts)
+    for (const Polygon& polygon : part.outline)
+      if (contains(polygon, lonlat) && area_m2(polygon) < least) law = &part.id, least = area_m2(polygon);
+  return *law;
 }
 
 SpeedLaws read_speed_laws(const fs::path& folder) {
@@ -273,8 +305,9 @@ PlaceRules rules_at(const Crs& crs, const Box2& box) {
   const std::vector<Country> countries = read_countries(catalogue_folder());
   const CoordinateTransform lonlat_from_crs(crs, Crs{"EPSG:4326"});
   const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
-  const Country* country = country_at(countries, lonlat_from_crs.target_from_source(middle));
-  return country ? PlaceRules{country->id, country->driving_side} : PlaceRules{};
+  const Vec2 lonlat = lonlat_from_crs.target_from_source(middle);
+  const Country* country = country_at(countries, lonlat);
+  return country ? PlaceRules{law_at(*country, lonlat), country->driving_side} : PlaceRules{};
 }
 
 DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& crs, const Box2& box) {
@@ -282,13 +315,18 @@ DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& c
 }
 
 void check_country(const std::string& id) {
+  const std::vector<Country> countries = read_countries(catalogue_folder());
   std::vector<std::string> known;
-  for (const Country& country : read_countries(catalogue_folder())) known.push_back(country.id);
+  for (const Country& country : countries) known.push_back(country.id);
   for (const SpeedLaw& law : read_speed_laws(catalogue_folder()).laws) known.push_back(law.country);
   if (std::ranges::find(known, id) != known.end()) return;
+  if (const Country* country = country_of(countries, id); country && id.size() > country->id.size() + 1)
+    throw OptionError(fmt::format("'{}' is no part of {} that has a law of its own in the catalogue; take {}", id,
+                                  country->name, country->id));
   const std::optional<std::string> meant = closest_word(id, known);
-  throw OptionError(fmt::format("'{}' is no country that the catalogue knows; take a code of ISO 3166-1 such as SE{}",
-                                id, meant ? "; did you mean '" + *meant + "'?" : ""));
+  throw OptionError(fmt::format(
+      "'{}' is no country that the catalogue knows; take a code of ISO 3166-1 such as SE, or of 3166-2 such as US-CA{}",
+      id, meant ? "; did you mean '" + *meant + "'?" : ""));
 }
 
 fs::path catalogue_folder() {

@@ -54,26 +54,39 @@ struct Catalogue {
 /// Reads areas.toml, photo.toml, terrain.toml and osm.toml of a folder. Throws InputError with file, line and key for
 /// whatever is wrong in them: unknown keys, kinds and areas, ids that are there twice, terrain without a datum.
 [[nodiscard]] Catalogue read_catalogue(const std::filesystem::path& folder);
+/// A part of a country with a law of its own, of parts.toml; outline as of CatalogueArea, but over the country's
+/// border.
+struct CountryPart {
+  std::string id, name;  ///< ISO 3166-2; English
+  MultiPolygon outline;
+};
 /// A country of countries.toml; outline as of CatalogueArea.
 struct Country {
   std::string id, name;  ///< ISO 3166-1; English
   DrivingSide driving_side = DrivingSide::right;
   MultiPolygon outline;
+  std::vector<CountryPart> parts;  ///< not all of the country: those with laws of their own
 };
-/// Reads countries.toml of a folder; throws as read_catalogue().
+/// Reads countries.toml and parts.toml of a folder; throws as read_catalogue().
 [[nodiscard]] std::vector<Country> read_countries(const std::filesystem::path& folder);
 /// That of a place in degrees; null: none of these.
 [[nodiscard]] const Country* country_at(const std::vector<Country>& countries, Vec2 lonlat);
-/// Of the country in which the middle of a box (in the CRS) lies: its id, and the side on which one drives; "" and
-/// right where it lies in none, or there is no CRS.
+/// The country of an id, or that of which the id names a part; null: none of these.
+[[nodiscard]] const Country* country_of(const std::vector<Country>& countries, const std::string& id);
+/// Whose law counts at a place of the country, in degrees: the id of its part there, else its own. Where outlines
+/// overlap, that of the smaller polygon counts: it may be enclosed by the other, as outlines have no holes.
+[[nodiscard]] std::string law_at(const Country& country, Vec2 lonlat);
+/// Of the country in which the middle of a box (in the CRS) lies: whose law counts there, and the side on which one
+/// drives; "" and right where it lies in none, or there is no CRS.
 struct PlaceRules {
-  std::string country;
+  std::string country;  ///< as of law_at()
   DrivingSide driving_side = DrivingSide::right;
 };
 [[nodiscard]] PlaceRules rules_at(const Crs& crs, const Box2& box);
 /// The side that was told, else that of rules_at().
 [[nodiscard]] DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& crs, const Box2& box);
-/// Throws OptionError, with the closest id, for what is no country of countries.toml and has no law of its own.
+/// Throws OptionError, with the closest id, for what is no country of countries.toml and has no law of its own; with
+/// that of its country for other parts of one.
 void check_country(const std::string& id);
 /// Reads speed_limits.toml of a folder, without `here`; throws as read_catalogue().
 [[nodiscard]] SpeedLaws read_speed_laws(const std::filesystem::path& folder);

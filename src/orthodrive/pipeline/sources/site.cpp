@@ -184,9 +184,9 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
 void read_driving_side(TomlSection& refine, Site& site) {
   const Vec2 middle = middle_of(site.frame.area.outer);
   const std::vector<Country> countries = read_countries(catalogue_folder());
-  const auto told = std::ranges::find(countries, site.country, &Country::id);
-  const Country* country = told == countries.end() ? country_at(countries, site.middle_lonlat) : &*told;
-  if (country) site.country = country->id;
+  const Country* country =
+      site.country.empty() ? country_at(countries, site.middle_lonlat) : country_of(countries, site.country);
+  if (country && site.country.empty()) site.country = law_at(*country, site.middle_lonlat);
   const DrivingSide usual = country ? country->driving_side : DrivingSide::right;
   std::string side = to_string(usual);
   const bool is_given = refine.has("driving_side");

@@ -35,7 +35,7 @@ struct Site {
   bool crf = false;                                   ///< refine the labels by the model's CRF
   bool adapt = false;                                 ///< the network first learns from the site's photo and map
   std::filesystem::path refine_weights;               ///< file of `orthodrive tune`; empty: the shipped weights
-  std::string country;  ///< ISO 3166-1, of the area's middle unless the file tells; empty: not known
+  std::string country;  ///< ISO 3166-1 or -2, of the area's middle unless the file tells; empty: not known
   DrivingSide driving_side = DrivingSide::right;
   std::string dtm_sampling = "cubic";    ///< bilinear | cubic
   std::vector<std::string> crg;          ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none

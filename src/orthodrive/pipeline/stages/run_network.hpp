@@ -22,8 +22,8 @@ struct RunNetworkOptions {
   BuildNetworkOptions network;  ///< without a name: that of the OpenDRIVE file; its driving side and speed laws are set
                                 ///< here
   std::optional<DrivingSide> driving_side;  ///< none: that of the country in which the roads lie
-  std::string country;                      ///< whose law gives limits, ISO 3166-1; empty: that in which the roads lie
-  CrgFilesOptions crg;                      ///< its relief is set here, from the roughness of the roads
+  std::string country;  ///< whose law gives limits, ISO 3166-1 or -2; empty: that in which the roads lie
+  CrgFilesOptions crg;  ///< its relief is set here, from the roughness of the roads
   OldSurfaces old_surfaces = OldSurfaces::keep;
   int opendrive_minor_version = 7;
   bool absolute = false, junction_grids = false;  ///< as WriteOpenDriveOptions
