@@ -38,7 +38,7 @@ class XmlWriter {
       text_ += how_.with_noise && dice_.one_in(3) ? " />" : "/>";
       return;
     }
-    text_ += ">";
+    text_ += '>';
     if (!element.text.empty())
       text_ += how_.with_noise && dice_.one_in(2) ? "<![CDATA[" + element.text + "]]>" : escaped(element.text, '"');
     for (const XmlElement& child : element.children) {

@@ -317,6 +317,7 @@ DrivingSide driving_side_in(const std::optional<DrivingSide>& told, const Crs& c
 void check_country(const std::string& id) {
   const std::vector<Country> countries = read_countries(catalogue_folder());
   std::vector<std::string> known;
+  known.reserve(countries.size());
   for (const Country& country : countries) known.push_back(country.id);
   for (const SpeedLaw& law : read_speed_laws(catalogue_folder()).laws) known.push_back(law.country);
   if (std::ranges::find(known, id) != known.end()) return;
