@@ -189,6 +189,14 @@ void add_crossfall(Road& road, RoadParts& parts, NoteList& notes) {
   }
 }
 
+void add_strips(Road& road, RoadParts& parts, NoteList& notes) {
+  const auto order = [&](std::vector<Cubic>& list) { put_in_order(list, {road, "coefficients", notes}, s_of); };
+  order(parts.surface.t_offset);
+  for (SurfaceStrip& strip : parts.surface.strips)
+    for (auto* list : {&strip.width, &strip.constant, &strip.linear, &strip.quadratic, &strip.cubic}) order(*list);
+  shapes_from_strips(road, std::move(parts.surface), notes);
+}
+
 void sort_sections(Road& road, NoteList& notes) { sort_along(road.sections, {road, "laneSection", notes}, s_of); }
 
 }  // namespace
@@ -202,6 +210,7 @@ void finish_road(Road& road, RoadParts parts, NoteList& notes) {
   sort_sections(road, notes);
   continue_sides(road, parts.single_sides);
   fit_to_road(road, notes);
+  add_strips(road, parts, notes);
   add_crossfall(road, parts, notes);
   keep_level_lanes(road);
   finish_structures(road);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "roadquery/cross_section_surface.hpp"
 #include "roadquery/note_list.hpp"
 #include "roadquery/road_map.hpp"
 
@@ -32,6 +33,8 @@ struct RoadParts {
   std::vector<Access> accesses;
   /// <crossfall> (1.2 - 1.4, 5.3.6.2): by which angle a half falls outwards.
   std::vector<Cubic> crossfall_left, crossfall_right;
+  /// <crossSectionSurface>; no strips: the road has none.
+  CrossSectionSurface surface;
   /// A section with singleSide="true", and of which sides it has an element.
   struct SingleSide {
     double s = 0.0;
@@ -41,9 +44,9 @@ struct RoadParts {
 };
 
 /// Sorts all that goes along the road; of two that stand at one place the later one counts. Then turns borders into
-/// widths, crossfall into shapes, and what `level` means into heights of lanes, and looks how far the elements go
-/// (road_extent.hpp). Sections of a single side get the other one. Driving lanes that no car may use are of another
-/// type. Notes say what was odd.
+/// widths, crossfall and strips into shapes, and what `level` means into heights of lanes, and looks how far the
+/// elements go (road_extent.hpp). Sections of a single side get the other one. Driving lanes that no car may use are of
+/// another type. Notes say what was odd.
 void finish_road(Road& road, RoadParts parts, NoteList& notes);
 
 }  // namespace roadquery

@@ -307,6 +307,8 @@ class Builder {
       read_crossfall(a);
     } else if (parent == "lateralProfile" && name == "shape") {
       road.shape.push_back({a.number("s"), a.number("t"), a.number("a"), a.number("b"), a.number("c"), a.number("d")});
+    } else if (is_surface_part(parent, name)) {
+      start_surface_part(parent, name, a);
     } else if (parent == "objects" && path_.size() == 3 && name == "object") {
       start_object(road, a);
     } else if (parent == "objects" && (name == "bridge" || name == "tunnel")) {
@@ -334,6 +336,32 @@ class Builder {
     } else if (lane_ != nullptr) {
       start_lane_part(parent, name, a);
     }
+  }
+
+  static bool is_surface_part(std::string_view parent, std::string_view name) {
+    return name == "crossSectionSurface" || parent == "crossSectionSurface" || parent == "surfaceStrips" ||
+           parent == "strip" || name == "coefficients";
+  }
+  void start_surface_part(std::string_view parent, std::string_view name, const Attributes& a) {
+    if (name == "crossSectionSurface") {
+      parts_.surface = {};
+    } else if (parent == "surfaceStrips") {
+      parts_.surface.strips.push_back({a.integer("id"), a.text("mode") == "relative"});
+    } else if (std::vector<Cubic>* list = name == "coefficients" ? surface_list(parent) : nullptr) {
+      list->push_back({a.number("s"), a.number("a", 0.0), a.number("b", 0.0), a.number("c", 0.0), a.number("d", 0.0)});
+    }
+  }
+  /// Which of the open strip's lists, or of the surface, an element is.
+  std::vector<Cubic>* surface_list(std::string_view name) {
+    if (name == "tOffset") return &parts_.surface.t_offset;
+    if (parts_.surface.strips.empty()) return nullptr;
+    SurfaceStrip& strip = parts_.surface.strips.back();
+    return name == "width"       ? &strip.width
+           : name == "constant"  ? &strip.constant
+           : name == "linear"    ? &strip.linear
+           : name == "quadratic" ? &strip.quadratic
+           : name == "cubic"     ? &strip.cubic
+                                 : nullptr;
   }
 
   static void read_user_data(Road& road, const Attributes& a) {

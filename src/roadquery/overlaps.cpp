@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "roadquery/baked_surface.hpp"
+#include "roadquery/junction_surface.hpp"
 #include "roadquery/surface_search.hpp"
 
 namespace roadquery {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -422,13 +423,13 @@ TEST_F(ForeignFile, friction_of_0_is_none) {
 TEST_F(ForeignFile, nothing_is_passed_over_in_silence) {
   const RoadMap map = read(
       road_of(
-          straight + R"(<lateralProfile><crossSectionSurface/></lateralProfile><lanes>)" +
+          straight + R"(<lanes>)" +
           sections("",
                    lane(-1, R"(<width sOffset="0" a="3" b="0" c="0" d="0"/><include file="a"/><include file="b"/>)")) +
-          R"(</lanes><signals><signal s="1"/><signal s="2"/></signals><objects><object type="tree" s="1" t="1"><repeat/></object></objects><planVeiw/>)") +
+          R"(</lanes><signals><signal s="1"/><signal s="2"/></signals><objects><object type="tree" s="1" t="1"><repeat/></object><object type="crosswalk" s="1" t="1"><surface/></object></objects><planVeiw/>)") +
       R"(<junction id="5" name=""><surface><CRG/></surface><elevationGrid/></junction><controller id="1"/>)");
   const std::string notes = notes_of(map);
-  EXPECT_THAT(notes, HasSubstr("<lateralProfile/crossSectionSurface> is not read"));
+  EXPECT_THAT(notes, HasSubstr("<object/surface> is not read"));
   EXPECT_THAT(
       notes,
       HasSubstr("<lane/include> is not read: what the other file holds is not there; put it into this one (2 times"));
@@ -545,6 +546,69 @@ TEST_F(ForeignFile, a_road_cut_at_a_bridge_keeps_what_begins_before_the_cut) {
   ASSERT_EQ(map.roads.size(), 3u);
   EXPECT_EQ(elevation(map.roads[1], 20.0), 2.0);
   EXPECT_EQ(elevation(map.roads[1], 70.0), 3.0);
+}
+
+/// Coefficients of one element: "s a b c d" of each.
+std::string coefficients(const std::string& name, const std::vector<std::array<double, 5>>& all) {
+  std::string text = "<" + name + ">";
+  for (const auto& c : all) {
+    text += "<coefficients s=\"" + std::to_string(c[0]) + "\"";
+    const char* names[] = {"", "a", "b", "c", "d"};
+    for (std::size_t i = 1; i < 5; ++i)
+      if (c[i] != 0.0) text += std::string(" ") + names[i] + "=\"" + std::to_string(c[i]) + "\"";
+    text += "/>";
+  }
+  return text + "</" + name + ">";
+}
+
+TEST_F(ForeignFile, strips_of_a_cross_section_surface_are_the_surface) {
+  const auto file = [&](const std::string& mode) {
+    return read(road_of(
+        straight + "<lateralProfile><crossSectionSurface>" + coefficients("tOffset", {{0, 0.5, 0.002}}) +
+        "<surfaceStrips><strip id=\"1\">" + coefficients("width", {{0, 3.0, 0, 0.0001}}) +
+        coefficients("constant", {{0, 0.1, 0.001}}) + coefficients("linear", {{0, -0.02}, {100, -0.04, 0.0002}}) +
+        coefficients("quadratic", {{0, 0.001}}) + coefficients("cubic", {{0, 0.0002}}) + "</strip><strip id=\"2\"" +
+        mode + ">" + coefficients("constant", {{0, 0.15}}) + coefficients("linear", {{0, 0.05}}) +
+        "</strip><strip id=\"-1\">" + coefficients("linear", {{0, 0.03, 0, 0.000001}}) +
+        "</strip></surfaceStrips></crossSectionSurface></lateralProfile>" + two_lanes));
+  };
+  // OpenDRIVE 1.8, 10.5, "Calculation".
+  const auto expected = [](double s, double t, bool relative) {
+    const double dt = t - (0.5 + 0.002 * s), width = 3.0 + 0.0001 * s * s;
+    const double linear = s < 100.0 ? -0.02 : -0.04 + 0.0002 * (s - 100.0);
+    const auto inner = [&](double x) { return 0.1 + 0.001 * s + linear * x + 0.001 * x * x + 0.0002 * x * x * x; };
+    if (dt <= 0.0) return (0.03 + 1e-6 * s * s) * dt;
+    if (dt <= width) return inner(dt);
+    return 0.15 + 0.05 * (dt - width) + (relative ? inner(width) : 0.0);
+  };
+  for (const bool relative : {false, true}) {
+    const RoadMap map = file(relative ? " mode=\"relative\"" : "");
+    EXPECT_EQ(notes_of(map), "");
+    for (double s = 0.0; s <= 200.0; s += 1.7)
+      for (double t = -9.0; t < 12.0; t += 0.37) {
+        const double dt = t - (0.5 + 0.002 * s), width = 3.0 + 0.0001 * s * s;
+        // A step moves across the road: rows are linear in between.
+        if (std::abs(dt) < 0.05 || std::abs(dt - width) < 0.6) continue;
+        EXPECT_NEAR(shape(map.roads[0], s, t).h, expected(s, t, relative), 3e-4) << s << ", " << t;
+      }
+  }
+}
+
+TEST_F(ForeignFile, strips_that_cannot_be_used_are_said) {
+  const std::string strip = "<crossSectionSurface><surfaceStrips><strip id=\"1\">" +
+                            coefficients("constant", {{0, 0.5}}) + "</strip><strip id=\"2\"/><strip id=\"3\"/>" +
+                            "</surfaceStrips></crossSectionSurface>";
+  const RoadMap alone = read(road_of(straight + "<lateralProfile>" + strip + "</lateralProfile>" + two_lanes));
+  EXPECT_THAT(notes_of(alone), HasSubstr("a <strip> has the id 3, need 1, 2, -1 or -2"));
+  EXPECT_THAT(notes_of(alone), HasSubstr("an outer <strip> is passed over, as the inner one has no <width>"));
+  EXPECT_EQ(shape(alone.roads[0], 50.0, 3.0).h, 0.5);
+  EXPECT_EQ(shape(alone.roads[0], 50.0, -3.0).h, 0.0) << "a side without strips";
+  const RoadMap beside =
+      read(road_of(straight + "<lateralProfile><superelevation s=\"0\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>" + strip +
+                   "<shape s=\"0\" t=\"0\" a=\"2\" b=\"0\" c=\"0\" d=\"0\"/></lateralProfile>" + two_lanes));
+  EXPECT_EQ(shape(beside.roads[0], 50.0, 3.0).h, 2.0);
+  EXPECT_THAT(notes_of(beside), HasSubstr("<crossSectionSurface> is passed over where a road has <shape>, too"));
+  EXPECT_THAT(notes_of(beside), HasSubstr("stands beside <superelevation>, both count"));
 }
 
 }  // namespace

@@ -95,6 +95,56 @@ void add_crossfall(RandomRoad& made, Dice& dice) {
   }
 }
 
+/// The cubic of a strip at s, begun at an edge `from_t` of a strip whose own edge is at `edge`.
+ShapeCubic strip_cubic(const RandomStrips::Strip& strip, double s, double edge, double from_t) {
+  double p[4];
+  for (std::size_t i = 0; i < 4; ++i) p[i] = strip.height[i].a + strip.height[i].b * s;
+  const double x = from_t - edge;
+  return {s,
+          from_t,
+          p[0] + x * (p[1] + x * (p[2] + x * p[3])),
+          p[1] + x * (2.0 * p[2] + x * 3.0 * p[3]),
+          p[2] + 3.0 * x * p[3],
+          p[3]};
+}
+
+/// Rows of <shape> at both ends of the road.
+void add_strips(RandomRoad& made, Dice& dice) {
+  Road& road = made.road;
+  RandomStrips strips{dice.between(-1.0, 1.0), {}};
+  for (const int side : {-1, 1}) {
+    const bool has_outer = dice.one_in(2);
+    for (int i = 1; i <= (has_outer ? 2 : 1); ++i) {
+      RandomStrips::Strip strip{side * i, i == 2 && dice.one_in(2), has_outer && i == 1 ? dice.between(1.0, 5.0) : 0.0};
+      const double sizes[] = {0.1, 0.05, 2e-3, 1e-4};
+      for (std::size_t k = 0; k < 4; ++k)
+        strip.height[k] = {0.0, dice.between(-sizes[k], sizes[k]), dice.between(-sizes[k], sizes[k]) / road.length};
+      strips.strips.push_back(strip);
+    }
+  }
+  const auto find = [&](int id) -> const RandomStrips::Strip* {
+    for (const RandomStrips::Strip& strip : strips.strips)
+      if (strip.id == id) return &strip;
+    return nullptr;
+  };
+  for (const double s : {0.0, road.length}) {
+    const auto add_outer = [&](int side, double from_t) {
+      const RandomStrips::Strip *inner = find(side), *outer = find(2 * side);
+      if (outer == nullptr) return;
+      const double edge = strips.t_offset + side * inner->width;
+      ShapeCubic cubic = strip_cubic(*outer, s, edge, from_t);
+      if (outer->relative) cubic.a += strip_cubic(*inner, s, strips.t_offset, edge).a;
+      road.shape.push_back(cubic);
+    };
+    add_outer(-1, -20.0);
+    const double right = find(-2) != nullptr ? strips.t_offset - find(-1)->width : -20.0;
+    road.shape.push_back(strip_cubic(*find(-1), s, strips.t_offset, right));
+    road.shape.push_back(strip_cubic(*find(1), s, strips.t_offset, strips.t_offset));
+    add_outer(1, strips.t_offset + find(1)->width);
+  }
+  made.strips = std::move(strips);
+}
+
 class LaneMaker {
  public:
   LaneMaker(bool connecting, Dice& dice) : connecting_(connecting), dice_(dice) {}
@@ -267,11 +317,22 @@ RandomRoad random_road(int index, bool connecting, Dice& dice) {
   road.elevation = random_profile(road.length, 80.0, 0.06, dice);
   if (dice.one_in(2)) road.superelevation = random_profile(road.length, 0.04, 3e-4, dice);
   if (dice.one_in(2)) road.lane_offset = random_profile(road.length, 1.5, 0.01, dice);
-  if (dice.one_in(3))
-    add_shape(made, dice);
-  else if (dice.one_in(2))
-    add_crossfall(made, dice);
   add_lanes(made, connecting, dice);
+  // Level lanes beside a step across the road would be as good as their pieces are short.
+  switch (dice.below(made.has_level ? 3 : 4)) {
+    case 1:
+      add_shape(made, dice);
+      break;
+    case 2:
+      add_crossfall(made, dice);
+      break;
+    case 3:
+      road.superelevation.clear();
+      add_strips(made, dice);
+      break;
+    default:
+      break;
+  }
   add_limits_and_objects(road, connecting, dice);
   return made;
 }

