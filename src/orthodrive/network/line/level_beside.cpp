@@ -16,7 +16,8 @@ constexpr double along_strip_m = 4.0;
 constexpr double broken_strip_m = 5.0;  // what is free for less is one strip
 constexpr double shortest_level_fade_m = 20.0, level_height_per_m = 0.03, level_banking_per_m = 0.0033;
 constexpr double felt_mps2 = 1.0;
-constexpr double steepest = 2.0;  // times that where there is no room to fade out more slowly
+constexpr double level_flush_m = 0.5 * flush_m;  // two that add up are flush
+constexpr double steepest = 2.0;                 // times that where there is no room to fade out more slowly
 
 /// What is to be added to a chain at s.
 struct Levelled {
@@ -36,7 +37,7 @@ Levelled level_with(const RoadSection& q, const RoadSection& other, double overl
   const double other_side = cross(other.direction, at - other.p) < 0.0 ? -1.0 : 1.0;
   const double wanted = across_of(other, other_side) * dot(left_normal(other.direction), left);
   const double change = wanted - across_of(q, side);
-  const double least = overlap_m > 0.0 ? 2.0 * flush_m / overlap_m : INFINITY;
+  const double least = overlap_m > 0.0 ? 2.0 * level_flush_m / overlap_m : INFINITY;
   const double banking = change - std::clamp(change, -least, least);
   return {q.s, other.height_at(at) - q.height_at(at) - meet_m * banking, banking, overlap_m, q.speed_mps};
 }
@@ -137,9 +138,10 @@ double least_fade_m(const Levelled& at) {
 bool is_worth(const Strip& strip) {
   const std::vector<Levelled>& all = strip.places;
   for (std::size_t i = 1; i < all.size(); ++i)
-    if (std::abs(all[i].z - all[i - 1].z) > flush_m + steepest * level_height_per_m * (all[i].s - all[i - 1].s))
+    if (std::abs(all[i].z - all[i - 1].z) > level_flush_m + steepest * level_height_per_m * (all[i].s - all[i - 1].s))
       return false;
-  return std::ranges::any_of(all, [](const Levelled& at) { return std::abs(at.z) >= flush_m || at.banking != 0.0; });
+  return std::ranges::any_of(all,
+                             [](const Levelled& at) { return std::abs(at.z) >= level_flush_m || at.banking != 0.0; });
 }
 
 /// Those that leave each other room to fade out, the longest first; then along the chain.

@@ -63,6 +63,7 @@ RoadSection SectionMaker::at(std::size_t stretch, int junction, double s) const 
           .half_m = half,
           .least_half_m = std::min(half, least),
           .z = value_at(on.elevation, s),
+          .gradient = slope_at(on.elevation, s),
           .banking = std::tan(value_at(on.superelevation, s)),
           .crown = value_at(on.crown, s),
           .rank = road_rank(path.highway),

@@ -16,15 +16,15 @@ struct RoadSection {
   std::size_t stretch = 0;
   int junction = -1;  ///< that it lies in
   double s = 0.0, half_m = 0.0, least_half_m = 0.0, z = 0.0;
-  double banking = 0.0, crown = 0.0;  ///< tangents
-  int rank = 0;                       ///< road_rank() of its class
-  double speed_mps = 0.0;             ///< limit
+  double gradient = 0.0, banking = 0.0, crown = 0.0;  ///< tangents
+  int rank = 0;                                       ///< road_rank() of its class
+  double speed_mps = 0.0;                             ///< limit
   Vec2 p, direction;
 
   /// Of its plane, carried on beyond its edges.
   [[nodiscard]] double height_at(Vec2 at) const {
     const double left_m = cross(direction, at - p);
-    return z + left_m * banking - std::abs(left_m) * crown;
+    return z + dot(direction, at - p) * gradient + left_m * banking - std::abs(left_m) * crown;
   }
 };
 
