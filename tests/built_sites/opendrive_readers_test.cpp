@@ -203,11 +203,11 @@ TEST_P(Traffic, sumo_drives_random_trips_without_a_collision_or_a_teleport) {
                                     "--opendrive.internal-shapes", "true", "--xml-validation", "never", "-o", net});
   ASSERT_EQ(made.exit_code, 0) << made.err.substr(0, 2000);
   // None is asked. On Kvarnbyn, whose map lacks `oneway`, two cars still meet about once in 1,200 trips
-  // (docs/measured/traffic.md): more than one collision in these 900 is a new fault.
+  // (docs/measured/traffic.md): more than one collision in these 1,200 is a new fault.
   const int most_collisions = std::string(GetParam()) == "kvarnbyn" ? 1 : 0;
-  int collisions = 0;
+  int collisions = 0, trips = 0, emergency_brakings = 0;
   std::string events;
-  for (const char* seed : {"1", "2", "3"}) {
+  for (const char* seed : {"1", "2", "3", "4"}) {
     const ToolRun run = run_program({"/usr/bin/python3", (scripts / "sumo_trips.py").string(), net,
                                      (scratch / "trips").string(), "--trips", "300", "--seed", seed});
     ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
@@ -215,10 +215,12 @@ TEST_P(Traffic, sumo_drives_random_trips_without_a_collision_or_a_teleport) {
     EXPECT_EQ(result.at("trips"), 300) << run.out;
     EXPECT_EQ(result.at("arrived"), 300) << run.out;
     EXPECT_EQ(result.at("teleports"), 0) << run.out;
-    EXPECT_EQ(result.at("emergency_brakings"), 0) << run.out;  // one of 1,000 trips at most
+    trips += result.at("trips").get<int>();
+    emergency_brakings += result.at("emergency_brakings").get<int>();
     collisions += result.at("collisions").get<int>();
     if (!result.at("events").empty()) events += "seed " + std::string(seed) + ": " + run.out + "\n";
   }
+  EXPECT_LE(1000 * emergency_brakings, trips) << events;  // one of 1,000 trips at most
   EXPECT_LE(collisions, most_collisions) << events;
   if (collisions > 0) std::cout << "cars met:\n" << events;
 }

@@ -26,7 +26,7 @@ bool is_closed(const MeetingEnd& a, const MeetingEnd& b) {
 }
 
 double largest_bend_rad(const MeetingEnd& a, const MeetingEnd& b, bool alone, const ContinuationRule& rule) {
-  if (alone && !is_closed(a, b)) return rule.max_bend_alone_rad;
+  if (alone) return is_closed(a, b) ? rule.max_bend_apart_rad : rule.max_bend_alone_rad;
   return a.ring >= 0 && a.ring == b.ring ? rule.max_bend_on_ring_rad : rule.max_bend_rad;
 }
 

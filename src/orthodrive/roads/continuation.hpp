@@ -20,9 +20,11 @@ struct ContinuationRule {
   double look_ahead_share = 1.0;  ///< but at most this share of the line's length
   /// Two ends run on into each other where the road bends by less than this.
   double max_bend_rad = 0.0;
-  /// The same for two ends at a node where nothing else arrives: a road may bend sharply between two junctions. Two
-  /// one-way roads that both leave the node, or both end there, are no such road: what joined them is not on the map.
+  /// The same for two ends at a node where nothing else arrives: a road may bend sharply between two junctions.
   double max_bend_alone_rad = 0.0;
+  /// The same for two one-way roads alone that both leave the node, or both end there: nobody drives from one into the
+  /// other.
+  double max_bend_apart_rad = 0.0;
   /// The same for two ends of one roundabout, which go before all others: small rings are drawn with few nodes.
   double max_bend_on_ring_rad = 0.0;
   /// Of several candidates the pair that bends least is taken first. A change of class or name counts as such a bend.
@@ -39,6 +41,7 @@ constexpr ContinuationRule way_continuation{.look_ahead_m = 10.0,
                                             .look_ahead_share = 1.0,
                                             .max_bend_rad = 50.0 * continuation_degree,
                                             .max_bend_alone_rad = 100.0 * continuation_degree,
+                                            .max_bend_apart_rad = 100.0 * continuation_degree,
                                             .max_bend_on_ring_rad = 100.0 * continuation_degree,
                                             .other_class_rad = 30.0 * continuation_degree,
                                             .other_name_rad = 15.0 * continuation_degree,
@@ -53,6 +56,7 @@ constexpr ContinuationRule piece_continuation{.look_ahead_m = 8.0,
                                               .look_ahead_share = 0.5,
                                               .max_bend_rad = 40.0 * continuation_degree,
                                               .max_bend_alone_rad = 150.0 * continuation_degree,
+                                              .max_bend_apart_rad = 40.0 * continuation_degree,
                                               .max_bend_on_ring_rad = 90.0 * continuation_degree,
                                               .other_class_rad = 0.0,
                                               .other_name_rad = 0.0,

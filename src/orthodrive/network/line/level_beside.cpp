@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "roadquery/blend.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -15,6 +17,7 @@ constexpr int passes = 2;  // a road may give way to one that gives way itself
 constexpr double along_strip_m = 4.0;
 constexpr double broken_strip_m = 5.0;  // what is free for less is one strip
 constexpr double shortest_level_fade_m = 20.0, level_height_per_m = 0.03, level_banking_per_m = 0.0033;
+constexpr double fork_level_m = 4.0;  // roads that part at one node had one height there
 constexpr double felt_mps2 = 1.0;
 constexpr double level_flush_m = 0.5 * flush_m;  // two that add up are flush
 constexpr double steepest = 2.0;                 // times that where there is no room to fade out more slowly
@@ -70,6 +73,8 @@ std::map<ChainIndex, std::vector<Strip>> find_strips(const std::vector<RoadSecti
     for (const std::uint32_t k : index.near(q.p, q.half_m)) {
       const RoadSection& other = sections[k];
       if (other.chain == q.chain || !are_side_by_side(q, other) || !yields(q, other, junctions)) continue;
+      if (std::abs(q.z - other.z) > (part_at_a_node(q, other, junctions) ? fork_level_m : roadquery::same_level_m))
+        continue;
       const double apart_m = std::abs(cross(q.direction, other.p - q.p)), overlap_m = room[i] + room[k] - apart_m;
       if (overlap_m <= -0.5 * section_margin_m) continue;
       const Levelled level = level_with(q, other, overlap_m, room[i], room[k]);

@@ -6,14 +6,14 @@
 
 namespace orthodrive::network {
 
-/// Where two roads part, or run so near that their mapped widths touch, they are one pavement. Profiles are found road
-/// by road, and a tyre near the border of the one feels how the other begins: there the road that gives way
-/// (gives_way()) takes the height of the other in the middle of the strip that they share or that is left between them,
-/// and its cross slope as far as the edges of the strip would lie over 1 cm apart. Roads that make room for each other
-/// and lie over half a metre apart in height stay: a bank or a wall is between them. Before and behind the strip the
-/// change fades out over 20 m, over more where it is large or the road is fast: height by 0.03 and banking by 0.0033
-/// per metre at most, vertical acceleration by 1 m/s2 at the speed limit. Roads give way to what lies in a junction
-/// that is not theirs. Closed chains keep their heights.
+/// Where two roads part, or run so near that neither can give all the room (leave_room.hpp), both are the surface of a
+/// strip. Profiles are found road by road, and a tyre near the border of the one feels how the other begins: there the
+/// road that gives way (gives_way()) takes the height of the other in the middle of the strip, and its cross slope as
+/// far as the edges of the strip would lie over 5 mm apart. Roads are of one level up to 1.5 m apart, those that part
+/// at one node up to 4 m. Before and behind the strip the change fades out over 20 m, over more where it is large or
+/// the road is fast: height by 0.03 and banking by 0.0033 per metre (twice that where strips lie near each other),
+/// vertical acceleration by 1 m/s2 at the speed limit. Roads give way to what lies in a junction that is not theirs.
+/// Closed chains keep their heights.
 void level_beside(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions, const Cuts& cuts,
                   ChainGeometries& geometry);
 

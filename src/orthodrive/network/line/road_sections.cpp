@@ -26,16 +26,9 @@ int junction_at(const JunctionPlan& junctions, VertexIndex vertex) {
   return vertex ? junctions.junction_of_vertex[vertex] : -1;
 }
 
-/// Roads that part at one node lie on each other until they are apart: there both keep their width for longer.
-bool part_at_a_node(const RoadSection& a, const RoadSection& b, const JunctionPlan& junctions) {
-  const Stretch &of_a = junctions.stretches[a.stretch], &of_b = junctions.stretches[b.stretch];
-  const auto ends_at = [&](VertexIndex vertex) { return vertex && (vertex == of_b.vertex0 || vertex == of_b.vertex1); };
-  return ends_at(of_a.vertex0) || ends_at(of_a.vertex1);
-}
-
 /// By how much the two lie on each other; not positive where they do not, or where they are no neighbours.
 double overlap_m(const RoadSection& a, const RoadSection& b, const JunctionPlan& junctions) {
-  if (!are_side_by_side(a, b)) return 0.0;
+  if (!are_side_by_side(a, b) || !roadquery::is_same_level(a.z, b.z)) return 0.0;
   const double left_m = cross(a.direction, b.p - a.p), apart_m = std::abs(left_m);
   const double overlap = a.half_m + b.half_m + section_margin_m - apart_m;
   if (overlap > (part_at_a_node(a, b, junctions) ? deepest_fork_m : deepest_overlap_m) || overlap < -widest_bank_m)
@@ -118,9 +111,15 @@ bool is_own_junction(const RoadSection& road, const RoadSection& other, const Ju
                                  other.junction == junction_at(junctions, stretch.vertex1));
 }
 
+bool part_at_a_node(const RoadSection& a, const RoadSection& b, const JunctionPlan& junctions) {
+  const Stretch &of_a = junctions.stretches[a.stretch], &of_b = junctions.stretches[b.stretch];
+  const auto ends_at = [&](VertexIndex vertex) { return vertex && (vertex == of_b.vertex0 || vertex == of_b.vertex1); };
+  return ends_at(of_a.vertex0) || ends_at(of_a.vertex1);
+}
+
 bool are_side_by_side(const RoadSection& a, const RoadSection& b) {
   return a.stretch != b.stretch && std::abs(dot(b.p - a.p, a.direction)) <= section_step_m &&
-         std::abs(cross(a.direction, b.direction)) <= side_by_side_sin && roadquery::is_same_level(a.z, b.z);
+         std::abs(cross(a.direction, b.direction)) <= side_by_side_sin;
 }
 
 std::vector<double> room_of(const std::vector<RoadSection>& sections, const JunctionPlan& junctions) {

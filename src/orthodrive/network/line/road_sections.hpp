@@ -70,8 +70,10 @@ inline constexpr double deepest_overlap_m = 5.0;  ///< of roads that make room f
 [[nodiscard]] bool gives_way(const RoadSection& a, const RoadSection& b);
 /// Whether the junction that `other` lies in is one of the road's own.
 [[nodiscard]] bool is_own_junction(const RoadSection& road, const RoadSection& other, const JunctionPlan& junctions);
-/// Whether two sections stand side by side: on roads of one level that go along each other, at most a step apart along
-/// them.
+/// Whether the roads part at one node. They lie on each other until they are apart: there both keep their width for
+/// longer.
+[[nodiscard]] bool part_at_a_node(const RoadSection& a, const RoadSection& b, const JunctionPlan& junctions);
+/// Whether two sections stand side by side: on roads that go along each other, at most a step apart along them.
 [[nodiscard]] bool are_side_by_side(const RoadSection& a, const RoadSection& b);
 /// Half widths that are left when all roads have made room for each other (leave_room.hpp), by section. Those inside
 /// junctions keep theirs.
