@@ -85,7 +85,8 @@ RandomMap random_map(unsigned seed) {
   RandomMap map;
   for (int i = 0; i < edge * edge; ++i)
     map.nodes.push_back({i + 1, 60.0 + 85.0 * (i % edge) + random.between(-12, 12),
-                         60.0 + 85.0 * (i / edge) + random.between(-12, 12), random.of_node()});
+                         60.0 + 85.0 * ((i - i % edge) / static_cast<double>(edge)) + random.between(-12, 12),
+                         random.of_node()});
   const auto add = [&](std::vector<std::int64_t> nodes) {
     if (random.one_in(2)) std::ranges::reverse(nodes);
     map.ways.push_back({static_cast<std::int64_t>(1000 + map.ways.size()), std::move(nodes), random.of_way()});
