@@ -271,7 +271,6 @@ async function checkWhatComesAfter(context, page, url) {
   await timed(checkSun, page);
   await timed(checkLink, page);
   await timed(checkNarrow, page, siteDir);
-  await timed(checkTouch, context, url, siteDir);
 }
 
 /** Pages that report errors, as they should. */
@@ -281,11 +280,19 @@ async function checkWhatGoesWrong(context, url) {
   await timed(checkNoWebGl, context, url);
 }
 
-const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
-const server = await serveSite(tool, siteDir);
-let context;
-try {
-  context = await openBrowser(profile, {pixels: part === 'rest' ? 0.5 : 1}); // time goes with the pixels
+/** Runs checks in a browser of their own; `options` are those of openBrowser(). */
+async function inBrowser(options, checks) {
+  const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
+  const context = await openBrowser(profile, options);
+  try {
+    await checks(context);
+  } finally {
+    await context.close();
+    rmSync(profile, {recursive: true, force: true, maxRetries: 5});
+  }
+}
+
+async function checkWithMouse(context, url) {
   const page = context.pages()[0] ?? (await context.newPage());
   const problems = [];
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
@@ -294,15 +301,21 @@ try {
     'response',
     (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`),
   );
-  if (part !== 'rest') await timed(checkFirstPicture, context, server.url);
-  await page.goto(`${server.url}?play=0`);
+  if (part !== 'rest') await timed(checkFirstPicture, context, url);
+  await page.goto(`${url}?play=0`);
   await timed(checkFlyCamera, page); // waits until all is there, too
-  if (part !== 'first') await checkWhatComesAfter(context, page, server.url);
+  if (part !== 'first') await checkWhatComesAfter(context, page, url);
   assert.deepEqual(problems, [], 'the page reports errors');
-  if (part !== 'first') await checkWhatGoesWrong(context, server.url);
+  if (part !== 'first') await checkWhatGoesWrong(context, url);
+}
+
+const server = await serveSite(tool, siteDir);
+try {
+  const pixels = part === 'rest' ? 0.5 : 1; // time goes with the pixels
+  await inBrowser({pixels}, (context) => checkWithMouse(context, server.url));
+  if (part !== 'first')
+    await inBrowser({pixels, touch: true}, (context) => timed(checkTouch, context, server.url, siteDir));
 } finally {
-  await context?.close();
-  rmSync(profile, {recursive: true, force: true, maxRetries: 5});
   assert.equal(await server.stop(), 0, 'orthodrive view does not end well on Ctrl-C');
 }
 console.log('the viewer works');

@@ -30,13 +30,15 @@ export async function serveSite(tool, siteDir, environment = {}) {
 
 /**
  * Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor; `pixels`: for each of
- * the page's. Whatever its pages are asked for may take six minutes: other work beside it is no error of the page.
+ * the page's; `touch`: its pages are touched. Whatever its pages are asked for may take six minutes: other work beside it
+ * is no error of the page.
  */
-export async function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
+export async function openBrowser(profileDir, {pixels = 1, touch = false, bypassCSP = false} = {}) {
   const context = await chromium.launchPersistentContext(profileDir, {
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     viewport: {width: 1280, height: 800},
     deviceScaleFactor: pixels,
+    hasTouch: touch,
     bypassCSP,
     args: [
       '--headless=new',
