@@ -20,6 +20,7 @@ constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
 constexpr double cross_slope_sigma = 0.025;  // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
 constexpr double known_banking_sigma = 1e-3;
+constexpr double shared_sigma_m = 0.01;  // of roads that part, where they have hardly done so
 // Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those
 // of the gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
 constexpr double gradient_gives_way_m = 10.0, gradient_gives_way_pixels = 1.0;
@@ -62,7 +63,13 @@ double second_difference_response(double a) {
 NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains,
                                  const std::vector<PathJunction>& junctions, const TerrainSamples& terrain,
                                  const ControlHeights& control, const std::vector<std::vector<double>>& start_m)
-    : roads_(roads), chains_(chains), junctions_(junctions), terrain_(terrain), control_(control), start_m_(start_m) {
+    : roads_(roads),
+      chains_(chains),
+      junctions_(junctions),
+      terrain_(terrain),
+      control_(control),
+      start_m_(start_m),
+      shared_(find_shared_pavement(roads, chains, junctions)) {
   for (const RoadPath& path : roads.paths) limits_of_path_.push_back(design_limits(path.highway));
   for (const ProfileChain& chain : chains.chains) knots_.push_back(knots_of(chain));
   for (const double gsd_m : terrain.gsd_m) sigma_m_.push_back(first_sigma_m + first_sigma_per_gsd * gsd_m);
@@ -271,12 +278,25 @@ void NetworkProfiles::hold_control(RobustFit& fit) const {
                    r.rise_m - r.sigma_m, r.rise_m + r.sigma_m, weight, control_slack_m);
 }
 
+/// Roads that part lie in one cross section as long as they share pavement: the main road's banking, as far as it is
+/// known.
+void NetworkProfiles::add_shared_pavement(RobustFit& fit) const {
+  for (const SharedPavement& place : shared_) {
+    const RoadNode& node = roads_.paths[place.main_path].nodes[place.main_node];
+    const double sigma_m = std::max(shared_sigma_m, cross_slope_sigma * std::abs(place.left_m));
+    fit.add_square(difference(chains_.chains[place.other_chain].height(place.other_s_m),
+                              chains_.chains[place.main_chain].height(place.main_s_m)),
+                   std::tan(node.banking) * place.left_m, 1.0 / (sigma_m * sigma_m));
+  }
+}
+
 RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
   RobustFit fit(x_.size());
   add_control(fit);
   add_terrain(fit);
   add_design(fit);
   add_junctions(fit);
+  add_shared_pavement(fit);
   const double pull = pull_per_m();
   for (std::size_t p = 0; p < roads_.paths.size(); ++p) {  // tunnels lie under the terrain
     if (!roads_.paths[p].tunnel) continue;

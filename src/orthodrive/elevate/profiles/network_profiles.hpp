@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "orthodrive/elevate/profiles/control_heights.hpp"
+#include "orthodrive/elevate/profiles/parting_roads.hpp"
 #include "orthodrive/elevate/terrain/profile_chains.hpp"
 #include "orthodrive/elevate/terrain/terrain_samples.hpp"
 #include "orthodrive/model/roads/design_limits.hpp"
@@ -64,6 +65,7 @@ class NetworkProfiles {
   void add_terrain(RobustFit& fit) const;
   void add_design(RobustFit& fit) const;
   void add_junctions(RobustFit& fit) const;
+  void add_shared_pavement(RobustFit& fit) const;
   void find_grounded_chains();
   void estimate_terrain_sigma();
   void estimate_curvature_sigma();
@@ -79,6 +81,7 @@ class NetworkProfiles {
   const TerrainSamples& terrain_;
   const ControlHeights& control_;
   const std::vector<std::vector<double>>& start_m_;
+  std::vector<SharedPavement> shared_;
   std::vector<DesignLimits> limits_of_path_;
   std::vector<std::vector<Knot>> knots_;          // of each chain
   std::vector<bool> chain_is_grounded_;           // or hangs together with one that is
