@@ -41,6 +41,14 @@ TEST(LaneUse, a_centre_lane_is_counted_beside_those_of_the_directions) {
   EXPECT_TRUE(way.doubts.empty());
   way = read_way({{"lanes", "2"}, {"oneway", "reversible"}});
   EXPECT_EQ(shared_lanes(way.path), 2);
+  way = read_way({{"lanes", "3"}, {"oneway", "reversible"}, {"lanes:forward", "2"}, {"lanes:backward", "1"}});
+  EXPECT_EQ(shared_lanes(way.path), 3) << "the same lanes, driven either way";
+  EXPECT_TRUE(way.doubts.empty());
+  way = read_way({{"oneway", "reversible"}, {"lanes:forward", "2"}, {"turn:lanes:backward", "left|through"}});
+  EXPECT_EQ(shared_lanes(way.path), 2);
+  way = read_way({{"lanes", "2"}, {"oneway", "alternating"}, {"lanes:forward", "2"}, {"lanes:backward", "2"}});
+  EXPECT_EQ(shared_lanes(way.path), 2);
+  EXPECT_EQ(way.doubts.size(), 1U);
   way = read_way({{"lanes", "1"}});
   EXPECT_EQ(shared_lanes(way.path), 1);
   EXPECT_EQ(shared_lanes(read_way({{"lanes", "1"}, {"oneway", "yes"}}).path), 0);

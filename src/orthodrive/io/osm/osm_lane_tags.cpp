@@ -168,6 +168,18 @@ void settle_lists(WayAttributes& way) {
     settle_list(path.speeds_backward, path.lanes_backward, "maxspeed:lanes", "backward", all_alike, way);
 }
 
+/// Of a reversible road: numbers for each direction tell how it is driven at times, of the same lanes.
+void share_all_lanes(WayAttributes& way) {
+  RoadPath& path = way.path;
+  const int told = path.lanes_forward + path.lanes_backward + path.lanes_both_ways;
+  if (path.lanes == 0) path.lanes = std::max(1, told);
+  if (told > path.lanes)
+    way.doubts.push_back(
+        fmt::format("lanes={} of a reversible road, but {} of its directions, took {}", path.lanes, told, path.lanes));
+  path.lanes_forward = path.lanes_backward = 0;
+  path.lanes_both_ways = path.lanes;
+}
+
 void read_lanes(const OsmTags& tags, WayAttributes& way) {
   RoadPath& path = way.path;
   if (path.lanes > max_lanes) {
@@ -180,13 +192,14 @@ void read_lanes(const OsmTags& tags, WayAttributes& way) {
   const std::string centre = tag_value(tags, "centre_turn_lane"), oneway = tag_value(tags, "oneway");
   if (path.lanes_both_ways == 0 && (centre == "yes" || !tag_value(tags, "turn:lanes:both_ways").empty()))
     path.lanes_both_ways = 1;
-  if (oneway == "reversible" || oneway == "alternating") path.lanes_both_ways = path.lanes = std::max(1, path.lanes);
+  if (oneway == "reversible" || oneway == "alternating") share_all_lanes(way);
   path.turn_forward = lane_value(tags, way, "turn:lanes", true);
   path.turn_backward = lane_value(tags, way, "turn:lanes", false);
 }
 
 /// Where no tag tells how many lanes a direction has, its arrows do: mappers may leave turn lanes out of `lanes`.
 void count_turn_lanes(RoadPath& path) {
+  if (path.lanes_both_ways > 0 && path.lanes_both_ways == path.lanes) return;  // reversible
   if (path.lanes_forward == 0 && shared_lanes(path) == 0)
     path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
   if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
