@@ -195,5 +195,98 @@ TEST(Placement, nothing_jumps_where_lanes_end_and_where_it_changes) {
   EXPECT_NEAR(roadquery::evaluate(b.lane_offset, b.length), roadquery::evaluate(c.lane_offset, 0.0), 1e-6);
 }
 
+/// Largest distance between the borders of lanes of connecting roads and of the lanes that they are linked to, m.
+double lane_gap(const roadquery::RoadMap& map) {
+  double worst_m = 0.0;
+  const auto borders = [](const Road& road, int id, bool at_end) {
+    const double s = at_end ? road.length : 0.0;
+    double t = roadquery::evaluate(road.lane_offset, s);
+    for (const Lane& lane : id > 0 ? road.sections.front().left : road.sections.front().right) {
+      const double inner = t;
+      t += (id > 0 ? 1.0 : -1.0) * roadquery::lane_width(lane, s);
+      if (lane.id != id) continue;
+      const roadquery::SurfacePoint a = roadquery::surface_point(road, s, inner),
+                                    b = roadquery::surface_point(road, s, t);
+      return std::pair{Vec2{a.x, a.y}, Vec2{b.x, b.y}};
+    }
+    throw std::runtime_error("no such lane");
+  };
+  for (const Road& road : map.roads) {
+    if (road.junction < 0) continue;
+    for (const auto* side : {&road.sections.front().left, &road.sections.front().right})
+      for (const Lane& lane : *side)
+        for (const bool at_end : {false, true}) {
+          const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
+          if (!linked) continue;
+          const roadquery::RoadLink& link = at_end ? road.successor : road.predecessor;
+          const auto [a, b] = borders(road, lane.id, at_end);
+          const auto [c, d] = borders(*road_by_id(map, link.id), *linked, link.contact == roadquery::ContactPoint::end);
+          worst_m = std::max(
+              worst_m, std::min(std::max(distance(a, c), distance(b, d)), std::max(distance(a, d), distance(b, c))));
+        }
+  }
+  return worst_m;
+}
+
+/// A hilly crossing, a reversible road of three lanes, and the next crossing: down to what is shorter than a car.
+TEST(LaneUses, reversible_lanes_meet_those_of_junctions) {
+  const auto height = [](Vec2 p) { return 50.0 + 2.0 * std::sin(p.x / 17.0) + 3.0 * std::cos(p.y / 23.0); };
+  for (const DrivingSide side : {DrivingSide::right, DrivingSide::left})
+    for (double length_m = 20.0; length_m < 40.0; length_m += 1.0) {
+      RoadPath reversible =
+          make_path({{0, 0}, {length_m, 0}}, {1, 2},
+                    {.osm_id = 1, .width_m = 11.25, .lanes = 3, .height = height, .banking = [](double s) {
+                       return 0.04 + 0.0005 * s;
+                     }});
+      reversible.lanes_both_ways = 3;
+      const auto street = [&](Vec2 a, Vec2 b, Vec2 c, std::int64_t id, std::int64_t node) {
+        return make_path({a, b, c}, {10 * id, node, 10 * id + 1},
+                         {.osm_id = id, .highway = "tertiary", .width_m = 7.0, .lanes = 2, .height = height});
+      };
+      BuildNetworkOptions options;
+      options.driving_side = side;
+      const NetworkResult result =
+          build_network(network_of({reversible, street({-20, -60}, {0, 0}, {-10, 60}, 2, 1),
+                                    street({length_m, -60}, {length_m, 0}, {length_m + 25, 60}, 3, 2)}),
+                        options);
+      EXPECT_LT(lane_gap(result.map), 0.01) << length_m << " m";
+    }
+}
+
+/// Two carriageways of one-way roads end at one node, as far apart as they lie, or nearer than their lanes are wide.
+TEST(LaneUses, lanes_turn_back_only_where_they_have_room) {
+  for (const DrivingSide side : {DrivingSide::right, DrivingSide::left})
+    for (const double apart_m : {1.0, 2.5, 4.0, 6.0, 9.0, 14.0}) {
+      const double sign = side == DrivingSide::left ? -1.0 : 1.0;
+      const auto carriageway = [&](double x, bool north, std::int64_t id) {
+        const std::vector<Vec2> out{{sign * x, -150.0}, {sign * x, -6.0 * std::abs(x)}, {0.0, 0.0}};
+        return make_path(north ? out : std::vector(out.rbegin(), out.rend()),
+                         north ? std::vector<std::int64_t>{10 * id, 0, 1} : std::vector<std::int64_t>{1, 0, 10 * id},
+                         {.osm_id = id, .highway = "secondary", .width_m = 7.5, .oneway = Oneway::forward, .lanes = 2});
+      };
+      BuildNetworkOptions options;
+      options.driving_side = side;
+      const NetworkResult result = build_network(
+          network_of({carriageway(0.5 * apart_m, true, 1), carriageway(-0.5 * apart_m, false, 2)}), options);
+      EXPECT_LT(lane_gap(result.map), 0.01);
+      int turns = 0;
+      for (const Road& road : result.map.roads) {
+        if (road.junction < 0) continue;
+        ++turns;
+        for (double s = 0.0; s <= road.length; s += 0.25) {
+          const roadquery::Edges edges = roadquery::road_edges(road, s);
+          const double middle = 0.5 * (edges.left_t + edges.right_t);
+          EXPECT_GT(1.0 - roadquery::reference_point(road, s).curvature * middle, 0.0)
+              << apart_m << " m apart, road " << road.id << ", s " << s;
+        }
+      }
+      const bool is_told =
+          std::ranges::any_of(result.findings, [](const Finding& f) { return f.code == "network.no_room_to_turn"; });
+      if (apart_m < 2.0) EXPECT_TRUE(is_told) << apart_m;
+      if (apart_m > 8.0) EXPECT_FALSE(is_told) << apart_m;
+      if (apart_m > 8.0) EXPECT_GT(turns, 0) << apart_m;
+    }
+}
+
 }  // namespace
 }  // namespace orthodrive

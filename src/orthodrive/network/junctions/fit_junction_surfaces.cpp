@@ -383,8 +383,8 @@ struct Off {
   double before_m = 0.0, after_m = 0.0;
 };
 
-/// Lanes of a road as the roads linked to it count them, from the inside out: the first and each next border, t to the
-/// left of the direction in which those run.
+/// Borders of lanes of a road, which lie beside each other, in the order of its lanes: t to the left of the direction
+/// in which roads linked to it run.
 std::vector<double> borders_of(const Road& road, double s, double sign, const std::vector<int>& lanes) {
   std::vector<double> borders;
   const roadquery::LaneSection& section = roadquery::section_at(road, s);
@@ -423,10 +423,14 @@ ProfileEnd meet_beside(Road& road, bool at_end, const JointWithInner& joint) {
   std::vector<roadquery::Lane>& lanes =
       road.driving_side == roadquery::DrivingSide::left ? road.sections.front().left : road.sections.front().right;
   std::vector<int> linked;
-  for (const roadquery::Lane& lane : lanes)
+  for (const roadquery::Lane& lane : lanes)  // from the inside out
     if (const std::optional<int>& id = at_end ? lane.successor : lane.predecessor) linked.push_back(*id);
   const double other_s = joint.other_end ? joint.other.length : 0.0;
-  const std::vector<double> borders = borders_of(joint.other, other_s, joint.sign, linked);
+  std::vector<double> borders = borders_of(joint.other, other_s, joint.sign, linked);
+  if (road.driving_side == roadquery::DrivingSide::left)
+    std::ranges::sort(borders);
+  else
+    std::ranges::sort(borders, std::ranges::greater());
   const auto [right, left] = std::minmax(borders.front(), borders.back());
   const roadquery::Edges edges{left, right};
   const double stretch = distance_across_m(joint.other, other_s, joint.sign, edges) / (left - right);

@@ -388,6 +388,46 @@ void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate
   }
 }
 
+/// The middle of a gate's lane.
+Vec2 middle_of(const Gate& gate, std::size_t lane, DrivingSide driving_side) {
+  const double side = driving_side == DrivingSide::left ? 1.0 : -1.0;
+  const double t = gate.inner_t_m + side * (place_of(gate, lane) + 0.5) * gate.lane_width_m;
+  return gate.pose.p + left_normal(gate.pose.direction) * t;
+}
+
+/// Lanes turn round towards the oncoming traffic: not into a lane that lies on their other side, as where the map draws
+/// carriageways nearer to each other than their lanes are wide.
+void keep_lanes_that_have_room(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends,
+                               const std::vector<Gate>& in, const std::vector<Gate>& out,
+                               std::vector<Movement>& movements, Findings& findings) {
+  constexpr double back_rad = 175.0 * std::numbers::pi / 180.0;  // beyond, the side is that of the oncoming traffic
+  const DrivingSide driving_side = plan.options.driving_side;
+  const auto has_room = [&](const Movement& m, std::size_t lane) {
+    const Gate &from = in[as_index(m.from)], &to = out[as_index(m.to)];
+    const bool left = std::abs(m.turn_rad) > back_rad ? driving_side == DrivingSide::right : m.turn_rad > 0.0;
+    const Vec2 inwards = left_normal(from.pose.direction) * (left ? 1.0 : -1.0);
+    const Vec2 across =
+        middle_of(to, m.first_out + lane, driving_side) - middle_of(from, m.first_in + lane, driving_side);
+    return dot(across, inwards) > 0.0;
+  };
+  for (Movement& m : movements) {
+    if (!m.legs.empty() || std::abs(m.turn_rad) <= max_turn_rad) continue;
+    std::size_t first = 0, end = std::min(m.count_in, m.count_out);
+    while (first < end && !has_room(m, first)) ++first;
+    while (end > first && !has_room(m, end - 1)) --end;
+    if (end - first == std::min(m.count_in, m.count_out)) continue;
+    findings.push_back({Severity::warning, "network.no_room_to_turn",
+                        fmt::format("{} of {} lanes turn round from way {} into way {}: the others lie across each "
+                                    "other, as the carriageways are drawn",
+                                    end - first, std::min(m.count_in, m.count_out),
+                                    plan.roads.paths[ends[as_index(m.from)].path].osm_id,
+                                    plan.roads.paths[ends[as_index(m.to)].path].osm_id),
+                        in[as_index(m.from)].pose.p.x, in[as_index(m.from)].pose.p.y});
+    m.first_in += first, m.first_out += first, m.count_in = m.count_out = end - first;
+  }
+  std::erase_if(movements, [](const Movement& m) { return m.count_in == 0; });
+}
+
 /// Who comes from a road of the highest class goes before who comes from others; the ring of a roundabout before all.
 /// `roads` are the connecting roads of the movements (1.7, 12.7: priorities are between those).
 std::vector<roadquery::Priority> priorities_of(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends,
@@ -691,6 +731,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     }
     report_left_out(plan, ends[j], in, movements, sharp, findings);
     feed_all_lanes(ends[j], out, movements);
+    keep_lanes_that_have_room(plan, ends[j], in, out, movements, findings);
     roadquery::Junction junction{.id = static_cast<int>(j) + 1};
     std::vector<int> connecting;
     const int level = level_of_junction(plan, map, ends[j]);

@@ -25,6 +25,7 @@ struct JunctionParts {
 /// Connecting roads and junctions. From every incoming lane group to every other road of the junction that can be
 /// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out. Finding
 /// network.turn_left_out: turns of 140 to 150 degrees into a road that leads back to the same other junction.
+/// network.no_room_to_turn: lanes that would turn round into one on their other side.
 JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
                             roadquery::RoadMap& map, Findings& findings);
 
