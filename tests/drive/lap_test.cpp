@@ -246,6 +246,44 @@ TEST(LanePath, stays_in_its_lane_to_the_end_of_a_road_driven_backwards) {
   }
 }
 
+std::string message_of(const DriveResult& result, const std::string& code) {
+  for (const Finding& f : result.findings)
+    if (f.code == code) return f.message;
+  return {};
+}
+
+TEST(SimulateLap, car_that_rolls_back_is_given_up_at_once) {
+  // 70 %: two driven wheels do not carry it up; it rolled back on nothing for four times the planned time.
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}});
+  road.elevation = {{0.0, 0.0, 0.7, 0.0, 0.0}};
+  const DriveResult lap = simulate_lap(map_of({road}), family());
+  EXPECT_FALSE(lap.finished);
+  EXPECT_NE(message_of(lap, "drive.not_finished").find("rolls back"), std::string::npos);
+  EXPECT_EQ(message_of(lap, "drive.open_route").find("drove"), std::string::npos);
+  EXPECT_LT(lap.driven_s, 20.0);
+  EXPECT_GE(lap.lap_time_s, 0.0);
+}
+
+TEST(SimulateLap, car_that_stands_is_given_up_after_a_minute) {
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 2000.0, Line{}});
+  for (auto* side : {&road.sections[0].left, &road.sections[0].right})
+    (*side)[0].materials = {{.friction = 1e-3}};  // 2 km on ice: the plan itself takes an hour
+  const DriveResult lap = simulate_lap(map_of({road}), family());
+  EXPECT_FALSE(lap.finished);
+  EXPECT_NE(message_of(lap, "drive.not_finished").find("stopped or far too slow"), std::string::npos);
+  EXPECT_LT(lap.driven_s, 400.0);
+}
+
+TEST(SimulateLap, open_road_has_one_lap_whatever_the_car_does) {
+  // As esmini's tilted crest: banked by 45 degrees, where every car slides off.
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 20.0, Line{}});
+  road.elevation = {{0.0, 0.0, 0.0, 0.15, -0.005}};
+  road.superelevation = {{0.0, std::numbers::pi / 4.0, 0.0, 0.0, 0.0}};
+  const DriveResult lap = simulate_lap(map_of({road}), family());
+  EXPECT_LE(lap.lap_times_s.size(), 1u);
+  EXPECT_GT(lap.lap_time_s, 0.0);
+}
+
 TEST(SimulateLap, other_peoples_networks_can_be_driven) {
   const std::string folder = paths::in_source("../shared/data/opendrive/samples/").string();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no sample files at " << folder;

@@ -21,8 +21,9 @@ namespace {
 
 constexpr double control_s = 5e-3;
 constexpr int controls_per_sample = 2;
-constexpr double lost_m = 5.0;         // so far from its line the car does not find back
-constexpr double tyre_width_m = 0.25;  // of both halves that stand beyond the tracks
+constexpr double lost_m = 5.0;  // so far from its line, or back on it, the car does not find back
+constexpr double progress_m = 1.0, progress_within_s = 60.0;  // less is standing: as on ice, or before a wall
+constexpr double tyre_width_m = 0.25;                         // of both halves that stand beyond the tracks
 constexpr double racing_margin_m = 0.5, road_margin_m = 0.2;
 constexpr double reach_before_line_m = 1e-9;
 constexpr double before_bend_m = 6.0,
@@ -62,9 +63,10 @@ class Run {
     (void)road_.take();
   }
 
-  /// False when the car does not come to the end.
+  /// False when the car does not come to the end: why_not() says why.
   bool drive(const Timing& timing, Monitor* monitor) {
     const long steps = std::max(1L, std::lround(control_s / options_.step_s));
+    const double last_line_m = timing.to_m + 0.5 * timing.lap_m;
     double next_line_m = timing.from_m, last_crossing_s = 0.0;
     for (long tick = 0; static_cast<double>(tick) * control_s < timing.most_s; ++tick) {
       if (monitor != nullptr && tick % 400 == 0) {
@@ -73,15 +75,16 @@ class Run {
       }
       const vehicle::Controls controls = driver_.drive(car_.state(), control_s);
       const double s_m = driver_.s_m(), now_s = static_cast<double>(tick) * control_s;
-      while (s_m >= next_line_m - reach_before_line_m) {
-        const double crossing_s = now_s - (s_m - next_line_m) / std::max(car_.state().speed_mps, 0.1);
+      while (next_line_m < last_line_m && s_m >= next_line_m - reach_before_line_m) {
+        const double since_s = (s_m - next_line_m) / std::max(car_.state().speed_mps, 0.1);
+        const double crossing_s = now_s - std::min(since_s, 2.0 * control_s);
         if (next_line_m > timing.from_m) result_.lap_times_s.push_back(crossing_s - last_crossing_s);
         last_crossing_s = crossing_s;
         next_line_m += timing.lap_m;
       }
       const bool timed = next_line_m > timing.from_m;
       if (s_m >= timing.to_m - reach_before_line_m) return true;
-      if (std::abs(driver_.error_m()) >= lost_m) return false;
+      if (!gets_on(s_m, now_s)) return false;
       if (timed && timed_ticks_++ % controls_per_sample == 0 && options_.keep_samples)
         recorder_.sample(static_cast<double>(timed_ticks_ - 1) * control_s, car_.state(), controls, driver_,
                          s_m - timing.origin_m);
@@ -91,10 +94,23 @@ class Run {
   }
 
   [[nodiscard]] const DriverModel& driver() const { return driver_; }
+  [[nodiscard]] const char* why_not() const { return why_not_; }
   [[nodiscard]] const vehicle::State& state() const { return car_.state(); }
   [[nodiscard]] double clock_s() const { return static_cast<double>(timed_ticks_) * control_s; }
 
  private:
+  /// False for a car that has lost its line, rolls back, or stands.
+  bool gets_on(double s_m, double now_s) {
+    if (progress_s_ < 0.0 || s_m >= progress_m_ + progress_m) progress_m_ = s_m, progress_s_ = now_s;
+    if (std::abs(driver_.error_m()) >= lost_m)
+      why_not_ = "the car lost its line";
+    else if (s_m <= progress_m_ - lost_m)
+      why_not_ = "the car rolls back: the road climbs more than it can";
+    else if (now_s < progress_s_ + progress_within_s)
+      return true;
+    return false;
+  }
+
   void advance(long steps, const vehicle::Controls& controls, bool timed, double s_m) {
     for (long step = 0; step < steps; ++step) {
       car_.step(options_.step_s, controls, road_);
@@ -111,6 +127,8 @@ class Run {
   DriverModel driver_;
   LapRecorder recorder_;
   long timed_ticks_ = 0;
+  double progress_m_ = 0.0, progress_s_ = -1.0;  ///< the last place that it got on to, and when
+  const char* why_not_ = "the car was stopped or far too slow";
 };
 
 LineOptions line_options(const DriveOptions& options) {
@@ -121,21 +139,21 @@ LineOptions line_options(const DriveOptions& options) {
           .most_curvature_1pm = full_lock_share * full_lock_curvature_1pm(options.car)};
 }
 
-void report_open_route(DriveResult& result) {
+/// Before what was found on the way.
+void report_open_route(bool at_end, std::size_t before, DriveResult& result) {
   const LinePoint& end = result.line.points.back();
-  result.findings.push_back({Severity::warning, "drive.open_route",
-                             fmt::format("no closed loop along '{}': drove {:.0f} m to its end here", result.route.name,
-                                         result.line.length_m()),
-                             end.x_m, end.y_m});
+  Finding finding{Severity::warning, "drive.open_route",
+                  fmt::format("no closed loop along '{}': {} {:.0f} m{}", result.route.name, at_end ? "drove" : "it is",
+                              result.line.length_m(), at_end ? " to its end here" : " long and ends here"),
+                  end.x_m, end.y_m};
+  result.findings.insert(result.findings.begin() + static_cast<std::ptrdiff_t>(before), std::move(finding));
 }
 
 void report_unfinished(const Run& run, const Timing& timing, DriveResult& result) {
-  const char* why =
-      std::abs(run.driver().error_m()) >= lost_m ? "the car lost its line" : "the car was stopped or far too slow";
-  result.findings.push_back(
-      {Severity::error, "drive.not_finished",
-       fmt::format("{} {:.0f} m from the start, of {:.0f} m to drive", why, run.driver().s_m(), timing.to_m),
-       run.state().x_m, run.state().y_m});
+  result.findings.push_back({Severity::error, "drive.not_finished",
+                             fmt::format("{}, {:.0f} m from the start, of {:.0f} m to drive", run.why_not(),
+                                         std::max(run.driver().s_m(), 0.0), timing.to_m),
+                             run.state().x_m, run.state().y_m});
 }
 
 /// Ends the line before the first bend that the car cannot take. False: nothing is left of it to drive on.
@@ -239,7 +257,6 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   const SpeedCaps caps = caps_of(query, options, envelope, result);
   const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
-  if (!result.route.closed) report_open_route(result);
 
   const Timing timing =
       timing_of(query.map(), options, result, static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
@@ -247,10 +264,12 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   const bool rolling = result.route.closed && !options.standing_start;
   const double start_m = result.route.closed ? 0.0 : timing.from_m;
   run.place(start_m, rolling ? plan.at(start_m).speed_mps : 0.0);
+  const std::size_t found_before = result.findings.size();
   const auto clock_start = std::chrono::steady_clock::now();
   const bool at_end = run.drive(timing, monitor);
   result.finished = at_end && result.finished_before_step < 0;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+  if (!result.route.closed) report_open_route(at_end, found_before, result);
   if (!at_end) report_unfinished(run, timing, result);
   summarize(result, run, timing);
   if (monitor != nullptr) monitor->progress(1.0, "drive");

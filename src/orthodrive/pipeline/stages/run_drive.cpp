@@ -131,10 +131,23 @@ Findings crg_findings(const roadquery::RoadMap& map) {
   return findings;
 }
 
+/// What the drive cannot do with the network, said with its file.
+template <typename Work>
+auto with_file(const DriveFiles& files, const Work& work) {
+  try {
+    return work();
+  } catch (const OptionError&) {
+    throw;
+  } catch (const Error& error) {
+    throw InputError(files.network.string(), error.what());
+  }
+}
+
 StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& map, const RunDriveOptions& options,
                            StageContext& context) {
+  const DriveOptions drive_as = drive_options(options, DrivingStyle::road);
   const AllRoadsResult all =
-      drive_all_roads(map, drive_options(options, DrivingStyle::road), context.threads, context.monitor);
+      with_file(files, [&] { return drive_all_roads(map, drive_as, context.threads, context.monitor); });
   std::string csv = "code,x_m,y_m,message\n";
   for (const Finding& f : all.findings)
     csv += fmt::format("{},{:.2f},{:.2f},\"{}\"\n", f.code, f.x_m, f.y_m, f.message);
@@ -169,14 +182,16 @@ StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& ma
 StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, const RunDriveOptions& options,
                        StageContext& context) {
   if (options.all_roads) return run_all_roads(files, map, options, context);
-  const Route route = find_route(map, options.route);
+  const Route route = with_file(files, [&] { return find_route(map, options.route); });
   if (!route.closed && (options.laps > 1 || options.standing_start))
     throw OptionError(fmt::format("{} changes nothing: the route {} is not closed, so it has no laps",
                                   options.laps > 1 ? "--laps" : "--standing-start", route.name));
   const DrivingStyle usual = mostly_raceway(map, route) ? DrivingStyle::racing : DrivingStyle::road;
   const roadquery::RoadQuery query(map);
   const DriveOptions drive_as = drive_options(options, options.style.value_or(usual));
-  const DriveResult drive = drive_route(query, route, drive_as, EnvelopeTable(drive_as.car), context.monitor);
+  const EnvelopeTable envelope(drive_as.car);
+  const DriveResult drive =
+      with_file(files, [&] { return drive_route(query, route, drive_as, envelope, context.monitor); });
   StageOutcome outcome{.numbers = numbers_of(drive), .findings = drive.findings};
   write_drive(files, map, drive, outcome.findings);
   for (const auto& [label, value] : lap_numbers(drive)) outcome.summary.push_back(fmt::format("{}: {}", label, value));
