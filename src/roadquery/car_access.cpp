@@ -20,10 +20,12 @@ bool names_cars(const std::vector<std::string>& whom) {
 /// Entries of one place: closed to whom a rule denies, and to all others where one allows somebody.
 struct Rules {
   double s = 0.0;
-  bool denied = false;
+  bool denied = false;                  ///< cars
+  bool allows = false, denies = false;  ///< anybody
   std::vector<std::string> allowed;
 
   void add(const RoadParts::Access& access) {
+    (access.allows ? allows : denies) = true;
     if (!access.allows) {
       denied = denied || names_cars(access.whom);
       return;
@@ -67,6 +69,7 @@ LaneType closed_type(const std::vector<std::string>& allowed) {
 /// What holds along more than half of a lane.
 struct LaneAccess {
   bool closed = false, changes = false;
+  bool mixed = false;  ///< entries of one place allow some and deny others
   std::vector<std::string> allowed;
 };
 
@@ -80,7 +83,8 @@ LaneAccess access_of(const std::vector<Rules>& rules, double length_m) {
     if (rules[i].closed()) closed_m += along_m;
     allowed_m[rules[i].allowed] += along_m;
   }
-  LaneAccess access{closed_m > 0.5 * length_m, closed_m > short_m && length_m - closed_m > short_m, {}};
+  LaneAccess access{closed_m > 0.5 * length_m, closed_m > short_m && length_m - closed_m > short_m, false, {}};
+  access.mixed = std::any_of(rules.begin(), rules.end(), [](const Rules& r) { return r.allows && r.denies; });
   for (const auto& [allowed, along_m] : allowed_m)
     if (along_m > 0.5 * length_m) access.allowed = allowed;
   return access;
@@ -102,6 +106,10 @@ void read_lane_access(Road& road, const std::vector<RoadParts::Access>& accesses
     if (access.changes)
       notes.add("opendrive.access",
                 "<access> opens and closes a lane within its section: what holds along most of it counts", true,
+                {road.id, section.s});
+    if (access.mixed)
+      notes.add("opendrive.access",
+                "<access> allows some and denies others at one place: who is denied or not allowed is kept out", true,
                 {road.id, section.s});
     for (Lane& lane : place.second > 0 ? section.left : section.right) {
       if (lane.id != place.second) continue;

@@ -212,7 +212,7 @@ void finish_road(Road& road, RoadParts parts, NoteList& notes) {
   fit_to_road(road, notes);
   add_strips(road, parts, notes);
   add_crossfall(road, parts, notes);
-  keep_level_lanes(road);
+  keep_level_lanes(road, notes);
   finish_structures(road);
   const auto given = std::find_if(road.speed_limits.begin(), road.speed_limits.end(),
                                   [](const SpeedLimit& limit) { return limit.mps > 0.0 && std::isfinite(limit.mps); });

@@ -108,9 +108,20 @@ void keep_level(const Road& road, const LaneSection& section, std::vector<Lane>&
   for (std::size_t i = 0; i < heights.size(); ++i) lanes[first + i].heights = std::move(heights[i]);
 }
 
+/// A lane that is not level outside of one that is.
+void note_outside_level(const Road& road, const LaneSection& section, NoteList& notes) {
+  for (const auto* side : {&section.left, &section.right}) {
+    const auto level = std::find_if(side->begin(), side->end(), [](const Lane& lane) { return lane.level; });
+    if (std::all_of(level, side->end(), [](const Lane& lane) { return lane.level; })) continue;
+    notes.add("opendrive.level", "lanes outside of one with level=\"true\" are not level: they are taken as level, too",
+              true, {road.id, section.s});
+  }
+}
+
 }  // namespace
 
-void keep_level_lanes(Road& road) {
+void keep_level_lanes(Road& road, NoteList& notes) {
+  for (const LaneSection& section : road.sections) note_outside_level(road, section, notes);
   if (road.superelevation.empty() && road.shape.empty()) return;
   for (std::size_t i = 0; i < road.sections.size(); ++i) {
     LaneSection& section = road.sections[i];

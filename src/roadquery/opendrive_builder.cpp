@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "roadquery/broken_links.hpp"
 #include "roadquery/connecting_road.hpp"
 #include "roadquery/element_table.hpp"
 #include "roadquery/finish_road.hpp"
@@ -131,6 +132,10 @@ class Builder {
   /// What can only be checked with the whole file read.
   void finish(HeaderOffset offset) {
     if (map.roads.empty()) throw std::runtime_error("no <road> in the file");
+    if (!has_header_)
+      notes.add("opendrive.version",
+                "the file has no <header>: it is read as OpenDRIVE 1.0 to 1.8 without a place on Earth", false);
+    note_broken_links(map, notes);
     number_ids();
     const auto by_id = [](const auto& p, const auto& q) { return p.id < q.id; };
     std::stable_sort(map.roads.begin(), map.roads.end(), by_id);
@@ -255,8 +260,27 @@ class Builder {
           if (is_driven(lane.type) && lane.materials.empty()) lane.materials = {*from.material};
   }
 
+  /// 1.0 is what some write for 1.1.
+  void note_version(const Attributes& a) {
+    constexpr int newest_minor = 8;
+    const auto number = [&](std::string_view attribute) {
+      const std::string text = a.text(attribute);
+      int value = -1;
+      const auto [end, error] = number_from_text(trimmed(text), value);
+      return error == std::errc{} ? value : -1;
+    };
+    const int major = number("revMajor"), minor = number("revMinor");
+    if (major == 1 && minor >= 0 && minor <= newest_minor) return;
+    notes.add("opendrive.version",
+              "<header> has revMajor=\"" + a.text("revMajor") + "\" revMinor=\"" + a.text("revMinor") +
+                  "\", known are 1.0 to 1.8: the file is read as if it were one of them",
+              false);
+  }
+
   void start_top(std::string_view name, const Attributes& a) {
     if (name == "header") {
+      has_header_ = true;
+      note_version(a);
       map.name = a.text("name");
       map.north = a.number("north", 0.0), map.south = a.number("south", 0.0);
       map.east = a.number("east", 0.0), map.west = a.number("west", 0.0);
@@ -429,6 +453,7 @@ class Builder {
                             a.number("dU"), a.number("aV"), a.number("bV"),
                             a.number("cV"), a.number("dV"), a.text("pRange") != "arcLength"};
       element.shape = poly;
+      note_start(element, poly);
       note_length(element, poly);
     } else if (name == "poly3") {
       element.shape = from_poly3({0.0, a.number("a"), a.number("b"), a.number("c"), a.number("d")}, element.length);
@@ -436,6 +461,17 @@ class Builder {
       return;
     }
     has_shape_ = true;
+  }
+
+  /// The standard wants aU, aV and bV to be 0, and bU above it (1.7, 9.3.5).
+  void note_start(const PlanElement& element, const ParamPoly3& poly) {
+    constexpr double place_off_m = 1e-3, heading_off_rad = 1e-3;
+    if (std::hypot(poly.a_u, poly.a_v) <= place_off_m && std::abs(std::atan2(poly.b_v, poly.b_u)) <= heading_off_rad)
+      return;
+    notes.add(
+        "opendrive.curve_start",
+        "a <paramPoly3> does not begin at the place and in the direction of its <geometry>, it is taken as written",
+        true, {map.roads.back().id, element.s});
   }
 
   /// A hundredth is more than any rounding.
@@ -654,6 +690,7 @@ class Builder {
   RoadParts parts_;              ///< of the open <road>
   bool is_single_side_ = false;  ///< the open <laneSection>
   bool has_grid_ = false;        ///< the open <junction> has an <elevationGrid>
+  bool has_header_ = false;
   bool in_road_ = false, in_junction_ = false;
   bool in_geometry_ = false;      ///< of the plan view
   bool has_shape_ = false;        ///< of that <geometry>

@@ -274,6 +274,16 @@ TEST(SimulateLap, car_that_stands_is_given_up_after_a_minute) {
   EXPECT_LT(lap.driven_s, 400.0);
 }
 
+TEST(SimulateLap, car_drives_on_what_is_hardly_longer_than_itself) {
+  for (const double length_m : {6.0, 7.5, 10.0}) {
+    const DriveResult lap = simulate_lap(map_of({make_road(1, {0.0, 0.0, 0.0, 0.0, length_m, Line{}})}), family());
+    EXPECT_TRUE(lap.finished) << length_m;
+    EXPECT_EQ(lap.tyre_misses, 0u) << length_m;
+    EXPECT_NEAR(lap.length_m, length_m - family().car.body.wheelbase_m - 1.0, 0.1) << length_m;
+  }
+  EXPECT_THROW(simulate_lap(map_of({make_road(1, {0.0, 0.0, 0.0, 0.0, 5.0, Line{}})}), family()), TooShortError);
+}
+
 TEST(SimulateLap, open_road_has_one_lap_whatever_the_car_does) {
   // As esmini's tilted crest: banked by 45 degrees, where every car slides off.
   Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 20.0, Line{}});

@@ -109,6 +109,15 @@ TEST(DriveAllRoads, goes_on_behind_a_bend_that_is_too_tight_for_the_car) {
   EXPECT_GT(all.length_m, 200.0);
 }
 
+TEST(DriveAllRoads, lane_on_the_inside_may_be_shorter_than_the_shortest_route) {
+  // The road is 14 m long, its left lane 14 (12 - 8) / 12 = 4.7 m: nothing to drive on, and no reason to stop.
+  const AllRoadsResult all =
+      drive_all_roads(map_of({make_road(1, {0.0, 0.0, 0.0, 0.0, 14.0, Arc{1.0 / 12.0}}, 0.0, 16.0)}), family(), 1);
+  EXPECT_EQ(all.routes, 2);
+  EXPECT_EQ(all.too_short, 1);
+  EXPECT_EQ(all.finished, 1);
+}
+
 TEST(DriveAllRoads, good_roads_give_no_finding_and_threads_change_nothing) {
   const RoadMap map = network();
   const AllRoadsResult one = drive_all_roads(map, family(), 1), two = drive_all_roads(map, family(), 2);

@@ -21,6 +21,7 @@ namespace roadquery {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string straight =
     R"(<planView><geometry s="0" x="0" y="0" hdg="0" length="200"><line/></geometry></planView>)";
@@ -308,6 +309,71 @@ TEST_F(ForeignFile, level_lanes_do_not_bank) {
   }
 }
 
+TEST_F(ForeignFile, lanes_outside_of_a_level_one_are_said) {
+  const auto notes_with = [&](const std::string& inner, const std::string& outer) {
+    const std::string width = R"(<width sOffset="0" a="3" b="0" c="0" d="0"/>)";
+    return notes_of(read(road_of(straight + "<lanes>" +
+                                 sections("", lane(-1, width) + lane(-2, width, "level=\"" + inner + "\"") +
+                                                  lane(-3, width, "level=\"" + outer + "\"")) +
+                                 "</lanes>")));
+  };
+  EXPECT_THAT(notes_with("true", "false"), HasSubstr("opendrive.level"));
+  EXPECT_EQ(notes_with("true", "true"), "");
+  EXPECT_EQ(notes_with("false", "true"), "");
+  EXPECT_EQ(notes_with("false", "false"), "");
+}
+
+TEST_F(ForeignFile, links_to_what_is_not_there_are_said) {
+  const auto width = [](int id, const std::string& link) {
+    return lane(id, link + R"(<width sOffset="0" a="3" b="0" c="0" d="0"/>)");
+  };
+  const auto notes_with = [&](const std::string& to, const std::string& kind, int to_lane, int from, int via_lane) {
+    const auto lane_link = [](const std::string& end, int id) {
+      return "<link><" + end + " id=\"" + std::to_string(id) + "\"/></link>";
+    };
+    const std::string first = road_of("<link><successor elementType=\"" + kind + "\" elementId=\"" + to +
+                                          "\" contactPoint=\"start\"/></link>" + straight + "<lanes>" +
+                                          sections("", width(-1, lane_link("successor", to_lane))) + "</lanes>",
+                                      "a");
+    const std::string second =
+        road_of("<link><predecessor elementType=\"road\" elementId=\"a\" contactPoint=\"end\"/></link>" + straight +
+                    "<lanes>" + sections("", width(-1, lane_link("predecessor", -1))) + "</lanes>",
+                "b");
+    return notes_of(read(first + second +
+                         "<junction id=\"J\" name=\"\"><connection id=\"0\" incomingRoad=\"a\" connectingRoad=\"b\" "
+                         "contactPoint=\"start\"><laneLink from=\"" +
+                         std::to_string(from) + "\" to=\"" + std::to_string(via_lane) +
+                         "\"/></connection></junction>"));
+  };
+  EXPECT_THAT(notes_with("b", "road", -1, -1, -1), Not(HasSubstr("opendrive.broken_link")));
+  EXPECT_THAT(notes_with("J", "junction", -1, -1, -1), Not(HasSubstr("opendrive.broken_link")));
+  EXPECT_THAT(notes_with("c", "road", -1, -1, -1), HasSubstr("name a <road> that the file does not have"));
+  EXPECT_THAT(notes_with("K", "junction", -1, -1, -1), HasSubstr("name a <junction> that the file does not have"));
+  for (const auto& [to_lane, from, via_lane] : {std::array{-2, -1, -1}, {-1, -2, -1}, {-1, -1, 1}})
+    EXPECT_THAT(notes_with("b", "road", to_lane, from, via_lane), HasSubstr("name a <lane> that is not"));
+  const RoadMap map =
+      read(road_of(straight + two_lanes) +
+           R"(<junction id="5" name=""><connection id="0" incomingRoad="1" connectingRoad="9"/></junction>)");
+  EXPECT_THAT(notes_of(map), HasSubstr("connections of junctions name a <road>"));
+  ASSERT_EQ(map.notes.size(), 1u);
+  EXPECT_EQ(map.notes[0].road, 1);
+}
+
+TEST_F(ForeignFile, curves_that_begin_beside_their_place_are_said) {
+  const auto notes_with = [&](const std::string& values) {
+    return notes_of(
+        read(road_of("<planView><geometry s=\"0\" x=\"0\" y=\"0\" hdg=\"0\" length=\"20\"><paramPoly3 "
+                     "pRange=\"arcLength\" cU=\"0\" dU=\"0\" cV=\"0\" dV=\"0\" " +
+                         values + "/></geometry></planView>" + two_lanes,
+                     "1", "20")));
+  };
+  EXPECT_EQ(notes_with(R"(aU="0" bU="1" aV="0" bV="0")"), "");
+  EXPECT_EQ(notes_with(R"(aU="1e-4" bU="1" aV="0" bV="-1e-4")"), "");
+  for (const char* off : {R"(aU="1" bU="1" aV="0" bV="0")", R"(aU="0" bU="1" aV="-1" bV="0")",
+                          R"(aU="0" bU="1" aV="0" bV="0.02")", R"(aU="0" bU="-1" aV="0" bV="0")"})
+    EXPECT_THAT(notes_with(off), HasSubstr("opendrive.curve_start")) << off;
+}
+
 TEST_F(ForeignFile, curves_of_cubics_are_as_long_as_their_road) {
   const RoadMap map = read(road_of(
       R"(<planView><geometry s="0" x="0" y="0" hdg="0" length="20"><paramPoly3 pRange="normalized" aU="0" bU="60" cU="-80" dU="40" aV="0" bV="0" cV="0" dV="0"/></geometry></planView>)" +
@@ -410,6 +476,31 @@ TEST_F(ForeignFile, lanes_closed_to_cars_are_not_driven) {
        R"(<access sOffset="0" rule="allow" restriction="none"/>)",
        R"(<access sOffset="150" rule="allow" restriction="bus"/>)"})
     EXPECT_EQ(type_with(open), LaneType::driving) << open;
+}
+
+TEST_F(ForeignFile, access_that_allows_and_denies_at_one_place_is_said) {
+  const auto notes_with = [&](const char* second) {
+    return notes_of(
+        read(road_of(straight + "<lanes>" +
+                     sections("", lane(-1, std::string(R"(<access sOffset="0" rule="allow" restriction="bus"/>)") +
+                                               second + R"(<width sOffset="0" a="3" b="0" c="0" d="0"/>)")) +
+                     "</lanes>")));
+  };
+  EXPECT_THAT(notes_with(R"(<access sOffset="9e-7" rule="deny" restriction="truck"/>)"), HasSubstr("at one place"));
+  EXPECT_THAT(notes_with(R"(<access sOffset="50" rule="deny" restriction="truck"/>)"), Not(HasSubstr("at one place")));
+  EXPECT_EQ(notes_with(R"(<access sOffset="0" rule="allow" restriction="taxi"/>)"), "");
+}
+
+TEST_F(ForeignFile, unknown_versions_are_said) {
+  const auto notes_with = [&](const std::string& header) {
+    return notes_of(read_opendrive(write("<OpenDRIVE>" + header + road_of(straight + two_lanes) + "</OpenDRIVE>")));
+  };
+  for (const char* known : {"0", "1", "4", "8"})
+    EXPECT_EQ(notes_with(std::string("<header revMajor=\"1\" revMinor=\"") + known + "\"/>"), "");
+  for (const char* unknown : {"<header/>", R"(<header revMajor="1"/>)", R"(<header revMajor="1" revMinor="seven"/>)",
+                              R"(<header revMajor="0" revMinor="8"/>)", R"(<header revMajor="1" revMinor="9"/>)"})
+    EXPECT_THAT(notes_with(unknown), HasSubstr("opendrive.version: <header> has revMajor=")) << unknown;
+  EXPECT_THAT(notes_with(""), HasSubstr("opendrive.version: the file has no <header>"));
 }
 
 TEST_F(ForeignFile, friction_of_0_is_none) {

@@ -39,9 +39,10 @@ std::string utf8_of_latin1(const std::string& text) {
 /// As the random map should be read.
 RoadMap truth_of(const test::RandomMap& random) {
   RoadMap map;
+  NoteList notes;
   for (const test::RandomRoad& made : random.roads) {
     Road road = made.road;
-    keep_level_lanes(road);
+    keep_level_lanes(road, notes);
     road.name = utf8_of_latin1(road.name);
     for (RoadObject& object : road.objects) object.name = utf8_of_latin1(object.name);
     map.roads.push_back(std::move(road));

@@ -6,6 +6,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/drive/line/lane_path.hpp"
 #include "orthodrive/drive/routes/route_cover.hpp"
 #include "roadquery/road_query.hpp"
 
@@ -13,7 +14,6 @@ namespace orthodrive {
 namespace {
 
 constexpr double same_place_m = 10.0;
-constexpr double least_route_m = 12.0;  // the car has to fit on it
 
 /// Adds what no earlier finding of the same kind lies beside. That a route is open is no news here.
 void add_distinct(const Findings& findings, Findings& out) {
@@ -58,7 +58,11 @@ std::vector<DriveResult> drive_parts(const roadquery::RoadQuery& query, Route ro
                                      const EnvelopeTable& envelope) {
   std::vector<DriveResult> parts;
   while (route.length_m >= least_route_m) {
-    parts.push_back(drive_route(query, route, options, envelope));
+    try {
+      parts.push_back(drive_route(query, route, options, envelope));
+    } catch (const TooShortError&) {
+      break;  // its lanes are shorter than its roads: on the inside of a bend
+    }
     if (parts.back().finished_before_step < 0) break;
     route = rest_of(query.map(), route, parts.back().finished_before_step);
   }

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <functional>
 
-#include "orthodrive/core/error.hpp"
-
 namespace orthodrive {
 namespace {
 
@@ -16,7 +14,6 @@ using roadquery::Lane;
 using roadquery::Road;
 
 constexpr double spacing_m = 1.0;
-constexpr double min_route_m = 10.0;
 constexpr double blend_base_m = 12.0, blend_per_jump = 12.0;
 constexpr double half_car_m = 0.9;
 constexpr double edge_room_m = 1.4;  // drivers keep the middle of the car so far from the edge where they can
@@ -134,9 +131,9 @@ LanePath sample(const roadquery::RoadMap& map, const Route& route, const PointOf
   if (route.closed && raw.size() > 1) add(raw.front());
   std::vector<double> s(raw.size(), 0.0);
   for (std::size_t i = 1; i < raw.size(); ++i) s[i] = s[i - 1] + distance(raw[i].point, raw[i - 1].point);
-  if (raw.size() < 2 || s.back() < min_route_m) {
-    throw Error(fmt::format("the route is only {:.1f} m long, need at least {:.0f} m to drive",
-                            s.empty() ? 0.0 : s.back(), min_route_m));
+  if (raw.size() < 2 || s.back() < least_route_m) {
+    throw TooShortError(fmt::format("the route is only {:.1f} m long, need at least {:.0f} m to drive",
+                                    s.empty() ? 0.0 : s.back(), least_route_m));
   }
   const auto count = static_cast<std::size_t>(std::lround(s.back() / spacing_m));
   LanePath path{.closed = route.closed};

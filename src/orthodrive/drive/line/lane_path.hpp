@@ -4,11 +4,20 @@
 
 #include <vector>
 
+#include "orthodrive/core/error.hpp"
 #include "orthodrive/drive/routes/route.hpp"
 #include "orthodrive/geo/polyline.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
+
+/// A car stands on the least and gets a little further.
+inline constexpr double least_route_m = 6.0;
+
+/// A route below least_route_m: nothing to drive on.
+struct TooShortError : Error {
+  using Error::Error;
+};
 
 /// A way in steps of 1 m (nearly; all steps of one path are alike).
 struct LanePath {
@@ -20,7 +29,7 @@ struct LanePath {
 
 /// Along the centres of the outermost driving lanes (on narrow roads nearer to the middle). Where the centres of two
 /// steps do not meet, the jump is made up over 12 m a metre of it on the road that has room for it (half on each when
-/// both or neither have). Throws Error for a route below 10 m.
+/// both or neither have). Throws TooShortError for a way below least_route_m.
 [[nodiscard]] LanePath path_along_lanes(const roadquery::RoadMap& map, const Route& route);
 
 /// Along the middle of all driving lanes of each road; jumps are made up as above. Throws as above.
