@@ -99,6 +99,13 @@ PARTS = [  # a part stands behind those whose files it takes
     Part("verdict", "verdict", 1, [["verdict", "--files", *pairs(ROADS)]], "what `site` made"),
     Part("foreign-osm", "foreign_osm", 1, [["foreign-osm"]], "`../shared/foreign/osm`, python3-gdal"),
     Part(
+        "foreign-opendrive",
+        "foreign_opendrive",
+        25,
+        [["foreign-opendrive"]],
+        "`../shared/foreign/opendrive`, FMPy",
+    ),
+    Part(
         "every-road",
         "every_road",
         5,

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OpenDRIVE files of others (../shared/foreign/opendrive): each is read, driven, exported and packed as an FMU.
+Writes docs/measured/foreign_opendrive.md.
+
+One process after another, small files first, each with a time limit; called again it goes on with the files that have
+no result of this commit. With FMPy (tools/setup --peers) every tenth FMU is checked and its car drives a second.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+import time
+
+from measuring.common import (
+    PAGES,
+    ROOT,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
+
+STORE, PAGE = "foreign_opendrive.json", PAGES / "foreign_opendrive.md"
+MAPS = ROOT.parent / "shared/foreign/opendrive"
+PYTHON = ROOT / "build/peers/fmi/bin/python"
+LIMITS_S = {"read": 60, "drive": 120, "all roads": 300, "export": 300, "FMU": 60}  # of a step; longer is a hang
+FMU_SHARE = 10  # one FMU in ten runs in FMPy
+BROKEN = re.compile("invalid|negative|_issue|unsupported")  # in names of asam_qc: breaks a rule on purpose
+FINDING = re.compile(r"^([a-z_]+\.[a-z_]+)(?: at [^:]*)?: (.*)")
+USUAL = {"opendrive.passed_over", "drive.open_route", "drive.no_gpx", "scene.local_frame"}  # say nothing of a fault
+ENDED = ("routes_finished", "routes_too_short")
+SHOWN = 25  # rows of a list
+
+
+def add_arguments(parser):
+    add_tool(parser, "out/foreign_opendrive")
+    add_table(parser)
+    parser.add_argument("--keep", action="store_true", help="keep good results of other commits, too")
+
+
+# ---- one file
+
+
+def steps_of(tool, file, folder):
+    """Words of each step's command."""
+    network = ["--network", file]
+    return {
+        "read": [tool, "evaluate", "network", file, "--json"],
+        "drive": [tool, "drive", *network, "-o", folder / "drive"],
+        "all roads": [tool, "drive", *network, "--all-roads", "-o", folder / "all"],
+        "export": [tool, "export", *network, "--glb", folder / "scene.glb"],
+        "FMU": [tool, "fmu", *network, "--car", "family_car", "-o", folder / "car.fmu"],
+    }
+
+
+def run_step(words, limit_s):
+    """(exit code or None after the limit, lines of stderr, stdout)."""
+    try:
+        ran = subprocess.run(list(map(str, words)), capture_output=True, timeout=limit_s, check=False)
+    except subprocess.TimeoutExpired as late:
+        return None, (late.stderr or b"").decode(errors="replace").splitlines(), ""
+    return ran.returncode, ran.stderr.decode(errors="replace").splitlines(), ran.stdout.decode(errors="replace")
+
+
+def fault_of(code, lines, file, limit_s):
+    """Empty for a step that ended well, else what it said; with "!" before where that is not one clear line."""
+    if code == 0:
+        return ""
+    if code is None:
+        return f"! no end within {limit_s} s"
+    said = [line.removeprefix("orthodrive: ") for line in lines if line.startswith("orthodrive: ")]
+    if code != 1 or len(said) != 1 or not said[0].startswith(str(file)):
+        return f"! exit code {code}: {' / '.join(said or lines[-2:])}"
+    return said[0].removeprefix(f"{file}: ")
+
+
+def car_drives(folder):
+    """Empty, or what FMPy finds wrong with the car's FMU."""
+    rows = (folder / "drive/lap.csv").read_text().splitlines()
+    start = dict(zip(rows[0].split(","), rows[len(rows) // 2].split(","), strict=True))
+    pose = [start[name] for name in ("x_m", "y_m", "z_m", "heading_rad")]
+    script = ROOT / "tools/measuring/fmu_steps.py"
+    code, lines, _ = run_step([PYTHON, script, folder / "car.fmu", *pose], LIMITS_S["FMU"])
+    return "" if code == 0 else f"! FMPy: {lines[-1] if lines else code}"
+
+
+def checks_of(scores):
+    """What `evaluate network --json` finds fault with: the worst of each kind of its verdict; wrong links."""
+    faults = {kind: of["worst"] for kind, of in scores["verdict"].items() if isinstance(of, dict) and of.get("places")}
+    return faults | {key: scores[key] for key in ("broken_links", "lane_link_errors") if scores[key]}
+
+
+def drive_numbers(lines, folder):
+    """What the summaries of both drives say."""
+    numbers = {}
+    off = [line for line in lines if line.startswith("Tyre contacts off the road: ")]
+    if off:
+        numbers["off_percent"] = float(off[0].split(": ")[1].split(" ")[0])
+    file = folder / "all/all_roads.json"
+    if file.exists():
+        of_all = json.loads(file.read_text())
+        wanted = ("routes", "routes_finished", "routes_too_short", "off_road_places", "jolt_places", "bump_places")
+        numbers |= {key: of_all[key] for key in wanted} | {"km": round(of_all["length_m"] / 1000, 2)}
+    return numbers
+
+
+def measure(tool, file, folder, on, with_fmpy):
+    """What came of each step, findings by code with their first text, seconds."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    start, faults, findings, checks, heard = time.monotonic(), {}, {}, {}, []
+    for step, words in steps_of(tool, file, folder).items():
+        code, lines, printed = run_step(words, LIMITS_S[step])
+        heard += lines
+        if step == "read" and code == 0:
+            checks = checks_of(json.loads(printed))
+        faults |= {step: text} if (text := fault_of(code, lines, file, LIMITS_S[step])) else {}
+        for found in filter(None, map(FINDING.match, lines)):
+            findings.setdefault(found[1], found[2][:160])
+    result = {"commit": on, "faults": faults, "findings": findings, "checks": checks}
+    result["numbers"] = drive_numbers(heard, folder)
+    result["seconds"] = round(time.monotonic() - start, 1)
+    if with_fmpy and not {"drive", "FMU"} & set(faults):
+        result["fmpy"] = True
+        faults |= {"FMU": text} if (text := car_drives(folder)) else {}
+    for made in ("scene.glb", "car.fmu"):
+        (folder / made).unlink(missing_ok=True)
+    return result
+
+
+# ---- the page
+
+
+ABOUT = f"""# Measured: OpenDRIVE files of others
+
+`tools/measure foreign-opendrive` writes this page. Files that other programs wrote, and that the tests of others use,
+by where they come from; of ASAM's checker those whose name says so break a rule on purpose. Each is read
+(`evaluate network`), driven (`drive`, `drive --all-roads`), exported and packed as an FMU with a car; the steps may
+take {", ".join(f"{s} s ({name})" for name, s in LIMITS_S.items())}.
+What is said of odd files: [opendrive_elements.md](../opendrive_elements.md).
+
+"""
+
+
+def is_broken(name):
+    return name.startswith("asam_qc/") and bool(BROKEN.search(name))
+
+
+def cut(text):
+    """As one cell of a table."""
+    text = text.replace("|", "/")
+    return text if len(text) <= 100 else text[:97] + "..."
+
+
+def short(name):
+    """Names of ASAM's files say everything twice."""
+    return name.removesuffix(".xodr").replace("tests_data_", "").replace("EnvironmentSimulator_Unittest_xodr_", "")
+
+
+def table(files):
+    """Sources below each other, their sum last."""
+    text = header(
+        ["source", "files", "valid", *(f"{step}" for step in LIMITS_S), "broken", "read on", "one line", "seconds"]
+    )
+    sources = sorted({name.split("/")[0] for name in files})
+    for source in [*sources, ""]:
+        own = {name: f for name, f in files.items() if name.startswith(source)}
+        valid = [f for name, f in own.items() if not is_broken(name)]
+        broken = [f for name, f in own.items() if is_broken(name)]
+        done = [sum(step not in f["faults"] for f in valid) for step in LIMITS_S]
+        read_on = sum(not f["faults"] for f in broken)
+        refused = sum(bool(f["faults"]) and not any(t.startswith("!") for t in f["faults"].values()) for f in broken)
+        seconds = fixed(sum(f["seconds"] for f in own.values()), 0)
+        text += row([source or "**all**", len(own), len(valid), *done, len(broken), read_on, refused, seconds])
+    return text
+
+
+def failing(files):
+    """Valid files with a fault, broken ones without a clear line: a row for each text."""
+    text = header(["file", "step", "what it says"])
+    rows = []
+    for name, f in files.items():
+        by_text = {}
+        for step, said in f["faults"].items():
+            if not is_broken(name) or said.startswith("!"):
+                by_text.setdefault(said, []).append(step)
+        rows += [row([short(name), ", ".join(steps), cut(said)]) for said, steps in by_text.items()]
+    return (text + "".join(rows[:SHOWN]) if rows else "None.\n") + more(rows)
+
+
+def more(rows):
+    return f"\nAnd {len(rows) - SHOWN} more.\n" if len(rows) > SHOWN else ""
+
+
+def refused(files):
+    """What broken files are refused with, how often."""
+    said = {}
+    for name, f in files.items():
+        if is_broken(name) and f["faults"]:
+            said.setdefault(next(iter(f["faults"].values())), []).append(name)
+    rows = [row([short(names[0]), len(names), cut(text)]) for text, names in said.items()]
+    return header(["broken file (first)", "files", "line"]) + "".join(rows[:SHOWN]) + more(rows)
+
+
+def silent(files):
+    """Broken files of which nothing is said, by the rule that they break."""
+    rules = {}
+    for name, f in files.items():
+        if is_broken(name) and not f["faults"] and not set(f["findings"]) - USUAL and not f["checks"]:
+            rule = re.sub(r"_?(close_match|invalid|multiple|issue|Ex_).*", "", short(name).removeprefix("asam_qc/"))
+            rule = re.sub(r"^(.+)_\1", r"\1", rule).replace("not_implemented_yet_", "")
+            rules[rule] = rules.get(rule, 0) + 1
+    listed = ", ".join(f"{rule}{f' ({n})' if n > 1 else ''}" for rule, n in rules.items())
+    return f"Of {sum(rules.values())} broken files that are read on nothing is said. Their rules: {listed or '-'}.\n"
+
+
+def most_frequent(files):
+    by_code = {}
+    for name, f in files.items():
+        for code, text in f["findings"].items():
+            by_code.setdefault(code, []).append((name, text))
+    ten = sorted(by_code.items(), key=lambda item: (-len(item[1]), item[0]))[:10]
+    rows = [row([f"`{code}`", len(of), cut(of[0][1])]) for code, of in ten]
+    return header(["finding", "files", "for example"]) + "".join(rows)
+
+
+def driven(files):
+    """Faults of the drives, in valid files."""
+    numbers = {name: f["numbers"] for name, f in files.items() if not is_broken(name)}
+    km = sum(n.get("km", 0) for n in numbers.values())
+    left = [name for name, n in numbers.items() if n.get("off_percent") or n.get("off_road_places")]
+    late = [n for n, k in numbers.items() if k.get("routes", 0) > sum(k[key] for key in ENDED if key in k)]
+    text = f"`drive --all-roads` drives {fixed(km, 1)} km of the valid files. "
+    for title, names in {"A tyre leaves the road in": left, "Routes that do not end:": late}.items():
+        text += f"{title} {len(names)} files{': ' if names else ''}{', '.join(map(short, names[:8]))}. "
+    jolts = sum(bool(n.get("jolt_places") or n.get("bump_places")) for n in numbers.values())
+    return text + f"More than 5 m/s2 vertically, or a step of 20 mm: {jolts} files.\n"
+
+
+def page(results):
+    files = results.get("files", {})
+    valid = {name: f for name, f in files.items() if not is_broken(name)}
+    good = sum(not f["faults"] for f in valid.values())
+    broken = [f["faults"].values() for name, f in files.items() if is_broken(name)]
+    clear = sum(not any(text.startswith("!") for text in texts) for texts in broken)
+    in_fmpy = [f for f in files.values() if f.get("fmpy")]
+    text = f"{ABOUT}**All steps succeed for {good} of {len(valid)} valid files** (asked: for all). **{clear} of "
+    text += f"{len(broken)} broken ones are read on or give one clear line** (asked: all). "
+    text += f"{sum('FMU' not in f['faults'] for f in in_fmpy)} of {len(in_fmpy)} FMUs drive in FMPy.\n\n"
+    text += f"{table(files)}\n{silent(files)}\n"
+    text += f"## What fails\n\n{failing(files)}\n## How they are driven\n\n{driven(files)}\n"
+    return text + f"## Broken ones that are refused\n\n{refused(files)}\n## Findings\n\n{most_frequent(files)}"
+
+
+def run(args):
+    results = {"files": {}, **read_results(STORE, {})}
+    if not args.table:
+        tool, on = args.tool.resolve(), commit()
+        maps = sorted(MAPS.glob("*/*.xodr"), key=lambda file: (file.stat().st_size, file))
+        for k, file in enumerate(maps):
+            name = str(file.relative_to(MAPS))
+            last = results["files"].get(name)
+            if last and (last["commit"] == on or (args.keep and not last["faults"])):
+                continue
+            with_fmpy = k % FMU_SHARE == 0 and PYTHON.exists()
+            found = measure(tool, file, args.out / name.removesuffix(".xodr"), on, with_fmpy)
+            results = {"files": dict(sorted({**results["files"], name: found}.items()))}
+            write_results(STORE, results)
+            print(f"{k + 1}/{len(maps)} {name} {found['seconds']} s {found['faults'] or 'good'}", flush=True)
+    write_page(PAGE, [STORE], page(results))
