@@ -253,5 +253,33 @@ TEST(CentreLine, of_a_road_without_lanes_is_driven_and_drawn) {
   EXPECT_NEAR(road_m2(scene.err), 314.16 * 8.0, 5.0);
 }
 
+TEST(Landscape, what_cannot_be_driven_is_said_with_its_file) {
+  const Scratch scratch;
+  const auto write_straight = [&](const std::string& length, const std::string& type) {
+    write_bytes(
+        scratch / "short.xodr",
+        R"(<OpenDRIVE><header revMajor="1" revMinor="6"/><road id="1" junction="-1" length=")" + length +
+            R"("><planView><geometry s="0" x="0" y="0" hdg="0" length=")" + length +
+            R"("><line/></geometry></planView><lanes><laneSection s="0"><center><lane id="0" type="none"/></center>)" +
+            R"(<right><lane id="-1" type=")" + type +
+            R"("><width sOffset="0" a="3" b="0" c="0" d="0"/></lane></right></laneSection></lanes></road></OpenDRIVE>)");
+  };
+  const auto line = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "-q", "drive", "--network", (scratch / "short.xodr").string(), "-o", (scratch / "drive").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const ToolRun run = run_tool(words);
+    EXPECT_EQ(run.exit_code, 1) << run.err;
+    EXPECT_EQ(lines_of(run.err), 1) << run.err;
+    return run.err;
+  };
+  const std::string file = (scratch / "short.xodr").string() + ": ";
+  write_straight("5", "driving");
+  EXPECT_THAT(line({}), HasSubstr(file + "the route is only 5.0 m long"));
+  write_straight("50", "sidewalk");
+  EXPECT_THAT(line({}), HasSubstr(file + "the road network has no lane that a car can drive on"));
+  EXPECT_THAT(line({"--all-roads"}), HasSubstr(file + "the road network has no lane that a car can drive on"));
+}
+
 }  // namespace
 }  // namespace orthodrive
