@@ -89,6 +89,27 @@ bool is_utf8(const std::string& path) {
   return rest == 0;
 }
 
+/// What expat says, and what to do.
+std::string wrong_xml(XML_Error error) {
+  const std::string said = XML_ErrorString(error);
+  switch (error) {
+    case XML_ERROR_NO_ELEMENTS:
+    case XML_ERROR_UNCLOSED_TOKEN:
+    case XML_ERROR_PARTIAL_CHAR:
+    case XML_ERROR_UNCLOSED_CDATA_SECTION:
+      return said + ", the file ends too early: get it whole";
+    case XML_ERROR_SYNTAX:
+    case XML_ERROR_INVALID_TOKEN:
+    case XML_ERROR_TAG_MISMATCH:
+    case XML_ERROR_DUPLICATE_ATTRIBUTE:
+    case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
+    case XML_ERROR_UNDEFINED_ENTITY:
+      return said + ", this is no XML: mend the file there";
+    default:
+      return said;
+  }
+}
+
 /// `encoding`: instead of what the file says; nullptr: as it says. False where the bytes are not of that encoding.
 bool parse_file(const std::string& path, const char* encoding, Parse& parse) {
   std::ifstream in(path, std::ios::binary);
@@ -111,7 +132,7 @@ bool parse_file(const std::string& path, const char* encoding, Parse& parse) {
     const XML_Error error = XML_GetErrorCode(parser.get());
     if (encoding == nullptr && parse.problem.empty() && error == XML_ERROR_INVALID_TOKEN && !is_utf8(path))
       return false;
-    const std::string what = parse.problem.empty() ? XML_ErrorString(error) : parse.problem;
+    const std::string what = parse.problem.empty() ? wrong_xml(error) : parse.problem;
     throw std::runtime_error(path + ": line " + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " + what);
   }
   return true;
