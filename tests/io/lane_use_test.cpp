@@ -181,6 +181,84 @@ TEST(LaneUse, widths_of_parts) {
   EXPECT_EQ(read_way({{"width", "12"}, {"width:carriageway", "6"}}).width_m, 6.0);
 }
 
+TEST(LaneUse, widths_of_lanes_in_any_spelling) {
+  const auto read = [](io::OsmTags tags) { return read_way(std::move(tags)); };
+  for (const char* spelling : {"3.5|3|2.5", "3.5 m|3 m|2.5 m", " 3.5 | 3 |2,5", "3.5m|3m|2.5m", "3.50|3.0|2.50"}) {
+    const io::WayAttributes way = read({{"oneway", "yes"}, {"lanes", "3"}, {"width:lanes", spelling}});
+    EXPECT_EQ(way.path.widths_forward, "3.5|3|2.5") << spelling;
+    EXPECT_NEAR(way.width_m, 9.0, 1e-9) << spelling;
+    EXPECT_EQ(way.path.width_source, WidthSource::tag);
+    EXPECT_THAT(way.doubts, testing::IsEmpty()) << spelling;
+  }
+  for (const char* spelling : {"11'|10'", "11 ft|10 ft", "11'0\"|10'0\"", "11 ft 0 in|10 feet"})
+    EXPECT_EQ(read({{"oneway", "yes"}, {"width:lanes", spelling}}).path.widths_forward, "3.3528|3.048") << spelling;
+  EXPECT_EQ(read({{"oneway", "yes"}, {"width:lanes", "3|3.5"}}).path.lanes, 2) << "the list tells how many";
+  EXPECT_EQ(read({{"oneway", "-1"}, {"width:lanes:backward", "3|3.5"}}).path.widths_forward, "3|3.5");
+  const io::WayAttributes both = read({{"lanes", "4"},
+                                       {"lanes:forward", "2"},
+                                       {"lanes:both_ways", "1"},
+                                       {"width:lanes:forward", "3|3.5"},
+                                       {"width:lanes:backward", "4"},
+                                       {"width:lanes:both_ways", "2.5"}});
+  EXPECT_EQ(both.path.widths_forward, "3|3.5");
+  EXPECT_EQ(both.path.widths_backward, "4");
+  EXPECT_EQ(both.path.widths_both_ways, "2.5");
+  EXPECT_NEAR(both.width_m, 13.0, 1e-9);
+  const io::WayAttributes cycles =
+      read({{"oneway", "yes"}, {"lanes", "2"}, {"width:lanes", "3.5|3|1.8"}, {"bicycle:lanes", "||designated"}});
+  EXPECT_EQ(cycles.path.widths_forward, "3.5|3") << "cycle lanes lie at the side";
+  EXPECT_NEAR(cycles.width_m, 8.0, 1e-9) << "with one of 1.5 m";
+  EXPECT_EQ(read({{"lanes", "4"}, {"width:forward", "7"}, {"lanes:forward", "2"}}).path.widths_forward, "3.5|3.5");
+  EXPECT_NEAR(read({{"width", "12"}, {"oneway", "yes"}, {"width:lanes", "3|3.5"}}).width_m, 12.0, 1e-9);
+}
+
+TEST(LaneUse, widths_of_lanes_that_tell_less) {
+  const double primary_m = default_width_m("primary", 3, Oneway::forward) / 3.0;
+  io::WayAttributes way = read_way({{"oneway", "yes"}, {"lanes", "3"}, {"width:lanes", "3.5|3|"}});
+  EXPECT_EQ(way.path.widths_forward, "3.5|3|");
+  EXPECT_NEAR(way.width_m, 6.5 + primary_m, 1e-9) << "the last is as wide as in the class";
+  EXPECT_EQ(way.path.width_source, WidthSource::lanes);
+  EXPECT_THAT(way.doubts, testing::IsEmpty());
+  way = read_way({{"lanes", "2"}, {"width:lanes:forward", "4"}});
+  EXPECT_NEAR(way.width_m, 4.0 + 0.5 * default_width_m("primary", 2, Oneway::no), 1e-9) << "not the one lane alone";
+  way = read_way({{"oneway", "yes"}, {"width:lanes", "||"}});
+  EXPECT_EQ(way.path.widths_forward, "");
+  EXPECT_EQ(way.path.width_source, WidthSource::highway);
+}
+
+TEST(LaneUse, odd_widths_of_lanes_are_told) {
+  const auto doubts = [](io::OsmTags tags) { return read_way(std::move(tags)).doubts; };
+  using testing::ElementsAre, testing::HasSubstr;
+  EXPECT_THAT(doubts({{"oneway", "yes"}, {"lanes", "2"}, {"width:lanes", "3|wide"}}),
+              ElementsAre(HasSubstr("width:lanes=3|wide: wide is no width of a lane")));
+  EXPECT_THAT(doubts({{"oneway", "yes"}, {"lanes", "2"}, {"width:lanes", "3|350"}}),
+              ElementsAre(HasSubstr("350 is no width of a lane")));
+  EXPECT_THAT(doubts({{"oneway", "yes"}, {"lanes", "2"}, {"width:lanes", "3|3.5|3"}}),
+              ElementsAre(HasSubstr("width:lanes tells 3 lanes forward, but there are 2")));
+  EXPECT_THAT(doubts({{"lanes", "2"}, {"width:lanes", "3|3.5|3"}}),
+              ElementsAre(HasSubstr("tells 3 lanes, but there are 2")));
+  EXPECT_THAT(doubts({{"lanes", "2"}, {"width:lanes", "3|3.5"}}), ElementsAre(HasSubstr("which lane is whose")));
+  EXPECT_THAT(doubts({{"lanes", "2"}, {"width:lanes", "3|3"}}), testing::IsEmpty());
+  EXPECT_THAT(doubts({{"lanes", "1"}, {"width:lanes:forward", "3"}}), ElementsAre(HasSubstr("the lanes are for both")));
+  EXPECT_EQ(read_way({{"lanes", "2"}, {"width:lanes", "3|3.5"}}).width_m, 6.5);
+  EXPECT_THAT(read_way({{"width:forward", "wide"}}).odd, ElementsAre("width:forward=wide"));
+  EXPECT_THAT(read_way({{"width:carriageway", "-"}}).odd, ElementsAre("width:carriageway=-"));
+}
+
+TEST(LaneUse, widths_of_lanes_turn_with_the_road) {
+  RoadPath path = read_way({{"lanes", "4"},
+                            {"lanes:forward", "1"},
+                            {"lanes:backward", "1"},
+                            {"lanes:both_ways", "2"},
+                            {"width:lanes:forward", "3"},
+                            {"width:lanes:both_ways", "2.5|"}})
+                      .path;
+  path.nodes.resize(2);
+  turn_round(path);
+  EXPECT_EQ(path.widths_backward, "3");
+  EXPECT_EQ(path.widths_both_ways, "|2.5");
+}
+
 TEST(LaneUse, surfaces_of_parts) {
   EXPECT_EQ(read_way({{"surface:forward", "sett"}, {"surface:backward", "sett"}}).path.surface, "sett");
   const io::WayAttributes way = read_way({{"surface:lanes", "asphalt|sett"}});

@@ -62,6 +62,7 @@ RoadNetwork two_roads() {
                  {79, NodeSignKind::mini_roundabout, 0, "clockwise", 17.5},
                  {80, NodeSignKind::barrier, 0, "gate", 0.0, true}};
   raw.traffic_calming = "table";
+  raw.lanes_both_ways = 1, raw.widths_forward = "3.5|", raw.widths_backward = "3.3528", raw.widths_both_ways = "2.75";
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
                {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
   return roads;
@@ -86,7 +87,8 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
     EXPECT_EQ(
         std::tie(p.osm_id, p.part, p.highway, p.name, p.layer, p.bridge, p.tunnel, p.oneway, p.lanes, p.roundabout),
         std::tie(q.osm_id, q.part, q.highway, q.name, q.layer, q.bridge, q.tunnel, q.oneway, q.lanes, q.roundabout));
-    EXPECT_EQ(p.traffic_calming, q.traffic_calming);
+    EXPECT_EQ(std::tie(p.traffic_calming, p.lanes_both_ways, p.widths_forward, p.widths_backward, p.widths_both_ways),
+              std::tie(q.traffic_calming, q.lanes_both_ways, q.widths_forward, q.widths_backward, q.widths_both_ways));
     EXPECT_EQ(std::tie(p.lanes_forward, p.lanes_backward, p.turn_forward, p.turn_backward, p.speed_limit_kmh,
                        p.sidewalk, p.shoulder, p.surface),
               std::tie(q.lanes_forward, q.lanes_backward, q.turn_forward, q.turn_backward, q.speed_limit_kmh,

@@ -104,7 +104,7 @@ void take_direction(RoadPath& path, const RoadPath& back) {
   path.oneway = Oneway::no;
   path.use_backward = path.use != back.use ? lane_uses_of(back) : back.use_forward;
   if (path.use != back.use) path.use_forward = lane_uses_of(path), path.use.clear();
-  path.turn_backward = back.turn_forward;
+  path.turn_backward = back.turn_forward, path.widths_backward = back.widths_forward;
   path.speeds_forward = speeds_of(path), path.speeds_backward = speeds_of(back);
   path.speed_limit_kmh = std::max(path.speed_limit_kmh, back.speed_limit_kmh);
   path.lanes_forward = is_told ? std::max(1, path.lanes) : 0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "orthodrive/io/osm/lane_use.hpp"
+#include "orthodrive/io/osm/lane_widths.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
 #include "orthodrive/model/roads/speed_laws.hpp"
 
@@ -111,7 +112,8 @@ void settle_list(std::string& list, int lanes, const char* key, const char* dire
 void take_out_cycle_lanes(WayAttributes& way, bool forward, std::vector<std::string>& uses) {
   RoadPath& path = way.path;
   std::vector<std::string> turns = lane_list(forward ? path.turn_forward : path.turn_backward),
-                           speeds = lane_list(forward ? path.speeds_forward : path.speeds_backward);
+                           speeds = lane_list(forward ? path.speeds_forward : path.speeds_backward),
+                           widths = lane_list(forward ? path.widths_forward : path.widths_backward);
   const std::size_t count = uses.size();
   const bool alone = std::ranges::all_of(uses, [](const std::string& use) { return use == "bicycle"; });
   for (std::size_t i = count; i-- > 0;) {
@@ -126,10 +128,12 @@ void take_out_cycle_lanes(WayAttributes& way, bool forward, std::vector<std::str
     const auto at = static_cast<std::ptrdiff_t>(i);
     if (turns.size() == uses.size()) turns.erase(turns.begin() + at);
     if (speeds.size() == uses.size() && speeds.size() > 1) speeds.erase(speeds.begin() + at);
+    if (widths.size() == uses.size()) widths.erase(widths.begin() + at);
     uses.erase(uses.begin() + at);
   }
   (forward ? path.turn_forward : path.turn_backward) = joined_lanes(turns);
   (forward ? path.speeds_forward : path.speeds_backward) = joined_lanes(speeds);
+  (forward ? path.widths_forward : path.widths_backward) = joined_lanes(widths);
   int& lanes = forward ? path.lanes_forward : path.lanes_backward;
   if (alone && count > 0 && lanes > 0 && static_cast<std::size_t>(lanes) == count) {  // counted all the same
     if (path.lanes > lanes) path.lanes -= lanes;
@@ -166,6 +170,12 @@ void settle_lists(WayAttributes& way) {
     settle_list(path.speeds_forward, path.lanes_forward, "maxspeed:lanes", "forward", all_alike, way);
   if (lanes_in(path.speeds_backward) > 1)
     settle_list(path.speeds_backward, path.lanes_backward, "maxspeed:lanes", "backward", all_alike, way);
+  settle_list(path.widths_forward, path.lanes_forward, "width:lanes", "forward", all_alike, way);
+  settle_list(path.widths_backward, path.lanes_backward, "width:lanes", "backward", all_alike, way);
+  settle_list(path.widths_both_ways, path.lanes_both_ways, "width:lanes", "for both directions", all_alike, way);
+  if (shared_lanes(path) == 0 || path.widths_forward.size() + path.widths_backward.size() == 0) return;
+  way.doubts.emplace_back("width:lanes tells widths of directions, but the lanes are for both; it is left out");
+  path.widths_forward.clear(), path.widths_backward.clear();
 }
 
 /// Of a reversible road: numbers for each direction tell how it is driven at times, of the same lanes.
@@ -197,12 +207,15 @@ void read_lanes(const OsmTags& tags, WayAttributes& way) {
   path.turn_backward = lane_value(tags, way, "turn:lanes", false);
 }
 
-/// Where no tag tells how many lanes a direction has, its arrows do: mappers may leave turn lanes out of `lanes`.
-void count_turn_lanes(RoadPath& path) {
+/// Where no tag tells how many lanes a direction has, its arrows do: mappers may leave turn lanes out of `lanes`. Then
+/// its widths.
+void count_listed_lanes(RoadPath& path) {
   if (path.lanes_both_ways > 0 && path.lanes_both_ways == path.lanes) return;  // reversible
-  if (path.lanes_forward == 0 && shared_lanes(path) == 0)
-    path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
-  if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
+  for (const auto& [forward, backward] :
+       {std::pair{&path.turn_forward, &path.turn_backward}, std::pair{&path.widths_forward, &path.widths_backward}}) {
+    if (path.lanes_forward == 0 && shared_lanes(path) == 0) path.lanes_forward = static_cast<int>(lanes_in(*forward));
+    if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(*backward));
+  }
 }
 
 /// turn=* without lanes holds for all of them.
@@ -327,12 +340,15 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
                                      roadquery::to_string(path.known_surface.surface)));
   if (way.reversed) path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
   read_speeds(tags, way);
+  read_lane_widths(tags, way);
   read_uses(tags, way);
   read_side_lanes(tags, way);
-  if (path.oneway == Oneway::forward && path.lanes_backward == 0) path.turn_backward.clear();
-  count_turn_lanes(path);
+  if (path.oneway == Oneway::forward && path.lanes_backward == 0)
+    path.turn_backward.clear(), path.widths_backward.clear();
+  count_listed_lanes(path);
   path.oneway == Oneway::forward ? settle_one_way(tags, way) : settle_two_way(way);
   settle_lists(way);
+  spread_direction_widths(tags, way);
   spread_turns(tags, way, true), spread_turns(tags, way, false);
   read_placement(tags, way);
 }

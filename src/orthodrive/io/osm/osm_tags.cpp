@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/io/osm/lane_use.hpp"
+#include "orthodrive/io/osm/lane_widths.hpp"
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 #include "orthodrive/model/roads/traffic_calming.hpp"
@@ -57,28 +57,6 @@ double parse_width_m(const std::string& text) {
 }
 
 namespace {
-/// The sum over lanes of width:lanes and its directions; 0 where a lane's is not told.
-double width_of_lanes_m(const OsmTags& tags) {
-  double sum = 0.0;
-  for (const char* key : {"width:lanes", "width:lanes:forward", "width:lanes:backward", "width:lanes:both_ways"})
-    for (const std::string& text : lane_list(tag_value(tags, key))) {
-      const double width_m = parse_width_m(text);
-      if (width_m == 0.0) return 0.0;
-      sum += width_m;
-    }
-  return sum;
-}
-
-/// Of the carriageway, by the first tag that tells: what is asked of it comes before what is of the road, a guess last.
-double tagged_width_m(const OsmTags& tags, const RoadPath& path) {
-  for (const char* key : {"width:carriageway", "width", "est_width"})
-    if (const double width_m = parse_width_m(tag_value(tags, key)); width_m > 0.0) return width_m;
-  const double forward = parse_width_m(tag_value(tags, "width:forward")),
-               backward = parse_width_m(tag_value(tags, "width:backward"));
-  if ((forward > 0.0 && backward > 0.0) || (path.oneway == Oneway::forward && forward + backward > 0.0))
-    return forward + backward;
-  return width_of_lanes_m(tags);
-}
 /// What Key:oneway knows, and nothing.
 bool is_oneway_value(std::string_view value) {
   for (const std::string_view known :
@@ -103,12 +81,14 @@ WayAttributes way_attributes(const OsmTags& tags) {
   if (!is_oneway_value(oneway))
     way.doubts.push_back(fmt::format("oneway={} is not known, took both directions", printable(oneway)));
   read_lane_tags(tags, way);
-  way.width_m = tagged_width_m(tags, path);
-  path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
+  const TaggedWidth width = tagged_width(tags, way);
+  way.width_m = width.width_m;
+  path.width_source = width.width_m > 0.0 && width.of_all ? WidthSource::tag
+                      : path.lanes > 0                    ? WidthSource::lanes
+                                                          : WidthSource::highway;
   for (const std::string& value : calming_values(tag_value(tags, "traffic_calming")))
     if (path.traffic_calming.empty() && hump_profile(value)) path.traffic_calming = value;
-  const std::string width = tag_value(tags, "width"), lanes = tag_value(tags, "lanes");
-  if (!width.empty() && way.width_m == 0.0) way.odd.push_back("width=" + width);
+  const std::string lanes = tag_value(tags, "lanes");
   if (!lanes.empty() && path.lanes == 0) way.odd.push_back("lanes=" + lanes);
   if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway) + cycle_lanes_m(path);
   for (const UnreadTag& tag : unread_tags(tags, TaggedObject::way)) way.unread.emplace_back(tag.tag, tag.reason);

@@ -42,7 +42,11 @@ constexpr Field use_fields[] = {{"lanes_both_ways", OFTInteger},     {"use_forwa
                                 {"placement_end", OFTReal},          {"placement_backward", OFTInteger},
                                 {"placement_transition", OFTInteger}};
 // Nor these.
-constexpr Field text_fields[] = {{"speed_context", OFTString}, {"traffic_calming", OFTString}};
+constexpr Field text_fields[] = {{"speed_context", OFTString},
+                                 {"traffic_calming", OFTString},
+                                 {"widths_forward", OFTString},
+                                 {"widths_backward", OFTString},
+                                 {"widths_both_ways", OFTString}};
 // Not in files of older versions either: then the tags that are in them tell.
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
@@ -157,6 +161,9 @@ class RoadsWriter {
     row.SetField("side_lanes", path.side_lanes.c_str());
     row.SetField("speeds_forward", path.speeds_forward.c_str());
     row.SetField("speeds_backward", path.speeds_backward.c_str());
+    row.SetField("widths_forward", path.widths_forward.c_str());
+    row.SetField("widths_backward", path.widths_backward.c_str());
+    row.SetField("widths_both_ways", path.widths_both_ways.c_str());
     const auto& placement = path.placement;
     if (placement.start >= 0.0) row.SetField("placement_start", placement.start);
     if (placement.end >= 0.0) row.SetField("placement_end", placement.end);
@@ -383,8 +390,11 @@ RoadPath path_of(const OGRFeature& row) {
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
   read_lane_fields(row, path);
   read_use_fields(row, path);
-  for (const auto& [name, text] :
-       {std::pair{"speed_context", &path.speed_context}, {"traffic_calming", &path.traffic_calming}})
+  for (const auto& [name, text] : {std::pair{"speed_context", &path.speed_context},
+                                   {"traffic_calming", &path.traffic_calming},
+                                   {"widths_forward", &path.widths_forward},
+                                   {"widths_backward", &path.widths_backward},
+                                   {"widths_both_ways", &path.widths_both_ways}})
     if (const int field = row.GetFieldIndex(name); field >= 0) *text = row.GetFieldAsString(field);
   path.known_surface = known_surface_of(row, path);
   return path;

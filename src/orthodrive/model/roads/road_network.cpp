@@ -164,6 +164,19 @@ BankingSource banking_source_of(std::string_view text) {
   return BankingSource::unset;
 }
 
+namespace {
+/// A list of lanes from right to left.
+std::string turned_list(const std::string& list) {
+  const std::vector<std::string_view> words = lane_words(list);
+  std::string turned;
+  for (std::size_t i = words.size(); i-- > 0;) {
+    turned += words[i];
+    if (i > 0) turned += '|';
+  }
+  return turned;
+}
+}  // namespace
+
 void turn_round(RoadPath& path) {
   const double length = path.nodes.back().s_m;
   std::reverse(path.nodes.begin(), path.nodes.end());
@@ -176,6 +189,8 @@ void turn_round(RoadPath& path) {
   std::swap(path.turn_forward, path.turn_backward);
   std::swap(path.use_forward, path.use_backward);
   std::swap(path.speeds_forward, path.speeds_backward);
+  std::swap(path.widths_forward, path.widths_backward);
+  path.widths_both_ways = turned_list(path.widths_both_ways);
   if (path.oneway == Oneway::no) std::swap(path.lanes_forward, path.lanes_backward);
   std::swap(path.placement.start, path.placement.end);
   path.placement.backward = !path.placement.backward;

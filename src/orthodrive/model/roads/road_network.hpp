@@ -102,6 +102,9 @@ struct RoadPath {
   /// Limits in km/h of the lanes of each direction, "70" or lane by lane "100|80", before settle_speeds() also cases of
   /// the law; empty: speed_limit_kmh.
   std::string speeds_forward, speeds_backward;
+  /// Widths in m of the lanes of each direction, lane by lane in the same order, and of those for both directions from
+  /// left to right along the path: "3.5|3|", nothing for a lane whose width is not told; empty: of none.
+  std::string widths_forward, widths_backward, widths_both_ways;
   Sides sidewalk = Sides::none, shoulder = Sides::none;
   std::string traffic_calming;  ///< humps that the whole way is, as OSM has it (traffic_calming.hpp); empty: none
   std::string surface;          ///< as OSM has it; empty: not tagged
@@ -109,10 +112,11 @@ struct RoadPath {
   std::vector<RoadNode> nodes;  ///< at least two; first == last position (and osm_node) for closed ways
 };
 
-/// A turn at a node that OSM's relations forbid (no_*), or the only one they allow (only_*).
+/// A turn at a node, or over one or more ways, that OSM's relations forbid (no_*), or the only one they allow (only_*).
 struct TurnRestriction {
-  std::int64_t from_way = 0, via_node = 0, to_way = 0;
+  std::int64_t from_way = 0, via_node = 0, to_way = 0;  ///< via_node: where one leaves from_way
   bool only = false;
+  std::vector<std::int64_t> via_ways = {};  ///< between from_way and to_way, as one drives; none: over via_node alone
 };
 
 /// What the tags of a node on a road say: who waits there, who walks across, what is built there.

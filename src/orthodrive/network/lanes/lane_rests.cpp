@@ -60,6 +60,7 @@ class Divider {
       : path_(path),
         lanes_(layout.total()),
         width_m_(width_m),
+        told_m_(layout.told_sum_m()),
         one_way_(!layout.is_shared() && path.oneway == Oneway::forward),
         outer_(driving_side == DrivingSide::left ? Sides::left : Sides::right) {}
 
@@ -67,10 +68,11 @@ class Divider {
     const LaneWidths* widths = find_class(path_.highway);
     if (!widths) return {};
     const bool alone = lanes_ == 1;
-    const double usual_m = lanes_ * (alone ? std::min(widths->alone_m, widths->usual_m + 0.25) : widths->usual_m);
-    const double widest_m = lanes_ * (alone ? widths->alone_m : widths->widest_m);
+    const auto lanes_m = [&](double each_m) { return told_m_ > 0.0 ? told_m_ : lanes_ * each_m; };
+    const double usual_m = lanes_m(alone ? std::min(widths->alone_m, widths->usual_m + 0.25) : widths->usual_m);
+    const double widest_m = lanes_m(alone ? widths->alone_m : widths->widest_m);
     if (path_.roundabout)
-      return at(opposite(outer_), width_m_ - lanes_ * (alone ? ring_lane_m : ring_lane_of_two_m), LaneType::border);
+      return at(opposite(outer_), width_m_ - lanes_m(alone ? ring_lane_m : ring_lane_of_two_m), LaneType::border);
     if (const Sidestrips parked = parking(usual_m, widest_m); parked.left_m + parked.right_m > 0.0) return parked;
     if (path_.shoulder != Sides::none) return tagged(path_.shoulder, width_m_ - usual_m, LaneType::shoulder);
     const double rest_m = width_m_ - widest_m;
@@ -115,7 +117,7 @@ class Divider {
 
   const RoadPath& path_;
   int lanes_;
-  double width_m_;
+  double width_m_, told_m_;
   bool one_way_;
   Sides outer_;
 };

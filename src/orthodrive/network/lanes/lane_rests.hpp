@@ -30,12 +30,12 @@ struct LaneRests {
 /// The sides where RoadPath::side_lanes has lanes of a kind ("bicycle", "bus").
 [[nodiscard]] Sides sides_with(const RoadPath& path, std::string_view kind, DrivingSide driving_side);
 
-/// Where the carriageway is wider than lanes of its class are at most (docs/road_surface.md names the standards).
-/// Strips of less than 0.5 m stay with the lanes. Of motorways and trunk roads the inner edge strip is at most 0.75 m,
-/// the hard shoulder lies outside; of roundabouts the rest lies at the island; shoulders lie where the tags say so.
-/// Streets have `parking` where there is room on both sides (one-way: outside). Else both sides have the same:
-/// `shoulder` from 1 m on of roads down to unclassified without sidewalk, `border` of others. Cycle lanes of 1.5 m come
-/// before all that, as far as the lanes keep 2.2 m; none narrower than 0.75 m.
+/// Where the carriageway is wider than lanes of its class are at most (docs/road_surface.md names the standards), or
+/// than tags tell of all of them. Strips of less than 0.5 m stay with the lanes. Of motorways and trunk roads the inner
+/// edge strip is at most 0.75 m, the hard shoulder lies outside; of roundabouts the rest lies at the island; shoulders
+/// lie where the tags say so. Streets have `parking` where there is room on both sides (one-way: outside). Else both
+/// sides have the same: `shoulder` from 1 m on of roads down to unclassified without sidewalk, `border` of others.
+/// Cycle lanes of 1.5 m come before all that, as far as the lanes keep 2.2 m; none narrower than 0.75 m.
 [[nodiscard]] LaneRests lane_rests(const RoadPath& path, const LaneLayout& layout, double median_width_m,
                                    DrivingSide driving_side);
 

@@ -152,16 +152,31 @@ RoadMark centre_mark(const Markings& marks, const LaneLayout& layout) {
 struct Division {
   RoadEndLanes open;
   LaneRests rests;
+  LaneWeights weights;
   std::optional<double> shift;  ///< of the centre lane; not set: all is centred
   bool both_on_left = false;    ///< on which side of the centre lane the lanes for both directions lie
 
-  /// Of every open lane.
-  [[nodiscard]] double lane_share() const { return (1.0 - rests.share()) / open.count(); }
-  [[nodiscard]] double share_of(int lane, bool left) const {
-    const OpenLanes& lanes = left ? open.left : open.right;
-    return lane >= lanes.first && lane < lanes.first + lanes.count ? lane_share() : 0.0;
+  /// Of all open lanes.
+  [[nodiscard]] double sum_of_weights() const {
+    double sum = 0.0;
+    for (const bool left : {true, false})
+      for (int i = 0; i < lanes_of(left).count; ++i) sum += weight(lanes_of(left).first + i, left);
+    for (int i = 0; i < open.both_ways; ++i) sum += LaneWeights::at(weights.both_ways, i);
+    return sum;
   }
-  [[nodiscard]] double both_share_of(int lane) const { return lane < open.both_ways ? lane_share() : 0.0; }
+  [[nodiscard]] double share_of(int lane, bool left) const {
+    const OpenLanes& lanes = lanes_of(left);
+    return lane >= lanes.first && lane < lanes.first + lanes.count ? lane_share(weight(lane, left)) : 0.0;
+  }
+  [[nodiscard]] double both_share_of(int lane) const {
+    return lane < open.both_ways ? lane_share(LaneWeights::at(weights.both_ways, lane)) : 0.0;
+  }
+  /// Of all lanes for both directions.
+  [[nodiscard]] double both_share() const {
+    double share = 0.0;
+    for (int i = 0; i < open.both_ways; ++i) share += both_share_of(i);
+    return share;
+  }
   [[nodiscard]] double rest_share(bool left) const { return left ? rests.left.share : rests.right.share; }
   [[nodiscard]] double cycle_share(bool left) const {
     return left ? rests.left_cycles.share : rests.right_cycles.share;
@@ -169,15 +184,23 @@ struct Division {
   /// How far the centre lane lies left of the reference line: the left edge lies at half the width, and all that lies
   /// left of the centre lane between them.
   [[nodiscard]] double centre_share() const {
-    const int lanes = open.left.count + (both_on_left ? open.both_ways : 0);
-    return shift.value_or(0.5 - (rests.left_share() + lanes * lane_share()));
+    double lanes = both_on_left ? both_share() : 0.0;
+    for (int i = 0; i < open.left.count; ++i) lanes += share_of(open.left.first + i, true);
+    return shift.value_or(0.5 - (rests.left_share() + lanes));
   }
+
+ private:
+  [[nodiscard]] const OpenLanes& lanes_of(bool left) const { return left ? open.left : open.right; }
+  [[nodiscard]] double weight(int lane, bool left) const {
+    return LaneWeights::at(left ? weights.left : weights.right, lane);
+  }
+  [[nodiscard]] double lane_share(double weight) const { return (1.0 - rests.share()) * weight / sum_of_weights(); }
 };
 
 bool tapers(const Division& end, const Division& middle) {
-  return end.open.left.count != middle.open.left.count || end.open.right.count != middle.open.right.count ||
-         end.open.both_ways != middle.open.both_ways || end.rests.left.share != middle.rests.left.share ||
-         end.rests.right.share != middle.rests.right.share ||
+  return end.weights != middle.weights || end.open.left.count != middle.open.left.count ||
+         end.open.right.count != middle.open.right.count || end.open.both_ways != middle.open.both_ways ||
+         end.rests.left.share != middle.rests.left.share || end.rests.right.share != middle.rests.right.share ||
          end.rests.left_cycles.share != middle.rests.left_cycles.share ||
          end.rests.right_cycles.share != middle.rests.right_cycles.share ||
          ((end.shift || middle.shift) && end.centre_share() != middle.centre_share());
@@ -209,8 +232,14 @@ bool has_one_lane(const RoadPath& path, double width_m) {
   return path.roundabout ? width_m < one_lane_ring_m : is_one_of(path.highway, narrow);
 }
 
-/// The lanes of one direction by the words for their users, from the inside out.
-using LaneWords = std::vector<std::string>;
+/// A lane of a direction as the tags tell of it.
+struct ToldLane {
+  std::string use;       ///< the word for its users
+  double width_m = 0.0;  ///< 0: not told
+  [[nodiscard]] bool is_for_cars() const { return use.empty(); }
+};
+/// From the inside out.
+using ToldLanes = std::vector<ToldLane>;
 
 LaneUse use_of_word(std::string_view word, LaneType for_cars) {
   if (word == "psv") return {LaneType::bus, {"bus", "taxi"}};
@@ -221,33 +250,38 @@ LaneUse use_of_word(std::string_view word, LaneType for_cars) {
   return {for_cars, {}};
 }
 
-/// What the list of a direction says, from the inside out; `otherwise` of every lane where it says nothing.
-LaneWords listed_words(const std::string& list, int lanes, const std::string& otherwise, DrivingSide driving_side) {
-  LaneWords words(static_cast<std::size_t>(lanes), otherwise);
-  const std::vector<std::string_view> parts = lane_words(list);
-  if (parts.size() != words.size()) return words;
-  std::copy(parts.begin(), parts.end(), words.begin());
-  if (driving_side == DrivingSide::left) std::reverse(words.begin(), words.end());
-  return words;
+double told_width_m(std::string_view word) { return std::strtod(std::string(word).c_str(), nullptr); }
+
+/// What the lists of a direction say, from the inside out; `otherwise` uses every lane where they say nothing.
+ToldLanes listed_lanes(const std::string& uses, const std::string& widths, int lanes, const std::string& otherwise,
+                       DrivingSide driving_side) {
+  ToldLanes told(static_cast<std::size_t>(lanes), ToldLane{otherwise});
+  const std::vector<std::string_view> use_words = lane_words(uses), width_words = lane_words(widths);
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    if (use_words.size() == told.size()) told[i].use = use_words[i];
+    if (width_words.size() == told.size()) told[i].width_m = told_width_m(width_words[i]);
+  }
+  if (driving_side == DrivingSide::left) std::reverse(told.begin(), told.end());
+  return told;
 }
 
 /// A lane at the outside (or the inside) of a direction becomes one of that kind. A direction keeps a lane for cars: it
 /// gets one more where it has one alone.
-void give_away(LaneWords& lanes, const std::string& kind, bool outside) {
-  const auto cars = std::ranges::count(lanes, std::string());
+void give_away(ToldLanes& lanes, const std::string& kind, bool outside) {
+  const auto cars = std::ranges::count_if(lanes, &ToldLane::is_for_cars);
   if (cars == 0) return;
   if (cars == 1) {
-    lanes.insert(outside ? lanes.end() : lanes.begin(), kind);
+    lanes.insert(outside ? lanes.end() : lanes.begin(), ToldLane{kind});
     return;
   }
   if (outside)
-    *std::find(lanes.rbegin(), lanes.rend(), std::string()) = kind;
+    std::find_if(lanes.rbegin(), lanes.rend(), [](const ToldLane& lane) { return lane.is_for_cars(); })->use = kind;
   else
-    *std::find(lanes.begin(), lanes.end(), std::string()) = kind;
+    std::ranges::find_if(lanes, &ToldLane::is_for_cars)->use = kind;
 }
 
 /// Bus lanes that side_lanes names, in the lanes of both directions.
-void give_side_lanes(const RoadPath& path, DrivingSide driving_side, LaneWords& forward, LaneWords& backward) {
+void give_side_lanes(const RoadPath& path, DrivingSide driving_side, ToldLanes& forward, ToldLanes& backward) {
   const bool one_way = path.oneway == Oneway::forward, left_hand = driving_side == DrivingSide::left;
   for (const std::string_view word : side_lanes_of(path)) {
     const std::size_t colon = std::min(word.find(':'), word.size());
@@ -282,11 +316,35 @@ std::pair<int, int> lane_numbers(const RoadPath& path, double median_width_m) {
   return {forward, one_way ? 0 : forward};
 }
 
-std::vector<LaneUse> uses_of(const LaneWords& words) {
-  if (std::ranges::all_of(words, [](const std::string& word) { return word.empty(); })) return {};
+std::vector<LaneUse> uses_of(const ToldLanes& lanes) {
+  if (std::ranges::all_of(lanes, &ToldLane::is_for_cars)) return {};
   std::vector<LaneUse> uses;
-  for (const std::string& word : words) uses.push_back(use_of_word(word, LaneType::driving));
+  for (const ToldLane& lane : lanes) uses.push_back(use_of_word(lane.use, LaneType::driving));
   return uses;
+}
+
+std::vector<double> widths_of(const ToldLanes& lanes) {
+  std::vector<double> widths;
+  for (const ToldLane& lane : lanes) widths.push_back(lane.width_m);
+  return widths;
+}
+
+/// Of the lanes for both directions, the innermost ones on the side of the forward lanes.
+std::vector<double> both_widths(const RoadPath& path, int lanes, DrivingSide driving_side) {
+  std::vector<double> widths;
+  for (const std::string_view word : lane_words(path.widths_both_ways)) widths.push_back(told_width_m(word));
+  if (driving_side == DrivingSide::left) std::reverse(widths.begin(), widths.end());
+  if (lane_words(path.widths_both_ways).size() < static_cast<std::size_t>(lanes)) widths.clear();
+  widths.resize(static_cast<std::size_t>(lanes));
+  return widths;
+}
+
+/// Nothing where no lane's width is told.
+LaneWeights told_of(LaneWeights told) {
+  double sum = 0.0;
+  for (const auto* side : {&told.left, &told.right, &told.both_ways})
+    for (const double width_m : *side) sum += width_m;
+  return sum > 0.0 ? std::move(told) : LaneWeights{};
 }
 
 }  // namespace
@@ -311,12 +369,13 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide 
     layout = {.left = 0, .right = 0, .both_ways = shared, .both_use = use_of_word(path.use, LaneType::bidirectional)};
     while (layout.both_ways > 1 && !fits(static_cast<std::size_t>(layout.both_ways)))
       --layout.both_ways, layout.reduced = true;
+    layout.told_m = told_of({{}, {}, both_widths(path, layout.both_ways, driving_side)});
     return layout;
   }
   const auto [lanes_forward, lanes_backward] = lane_numbers(path, median_width_m);
-  LaneWords forward = listed_words(path.use_forward, lanes_forward, path.use, driving_side);
-  LaneWords backward =
-      listed_words(path.use_backward, lanes_backward, one_way && path.use.empty() ? "none" : path.use, driving_side);
+  ToldLanes forward = listed_lanes(path.use_forward, path.widths_forward, lanes_forward, path.use, driving_side);
+  ToldLanes backward = listed_lanes(path.use_backward, path.widths_backward, lanes_backward,
+                                    one_way && path.use.empty() ? "none" : path.use, driving_side);
   const std::size_t tagged = forward.size() + backward.size();
   give_side_lanes(path, driving_side, forward, backward);
   layout.both_ways = one_way ? 0 : path.lanes_both_ways;
@@ -335,10 +394,35 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide 
       forward.pop_back();
   }
   const bool left_hand = driving_side == DrivingSide::left;
-  const LaneWords &left = left_hand ? forward : backward, &right = left_hand ? backward : forward;
+  const ToldLanes &left = left_hand ? forward : backward, &right = left_hand ? backward : forward;
   layout.left = static_cast<int>(left.size()), layout.right = static_cast<int>(right.size());
   layout.left_uses = uses_of(left), layout.right_uses = uses_of(right);
+  layout.told_m = told_of({widths_of(left), widths_of(right), both_widths(path, layout.both_ways, driving_side)});
   return layout;
+}
+
+double LaneLayout::told_sum_m() const {
+  double sum = 0.0;
+  for (const auto* side : {&told_m.left, &told_m.right, &told_m.both_ways})
+    for (const double width_m : *side) {
+      if (width_m <= 0.0) return 0.0;
+      sum += width_m;
+    }
+  return sum;
+}
+
+LaneWeights lane_weights(const LaneLayout& layout, const LaneRests& rests, double median_width_m) {
+  LaneWeights weights = layout.told_m;
+  double left_m = (1.0 - rests.share()) * median_width_m;
+  int untold = 0;
+  for (const auto* side : {&weights.left, &weights.right, &weights.both_ways})
+    for (const double width_m : *side) left_m -= width_m, untold += width_m > 0.0 ? 0 : 1;
+  if (untold == 0) return weights;
+  const double each_m = std::max(min_tagged_lane_m, left_m / untold);
+  for (auto* side : {&weights.left, &weights.right, &weights.both_ways})
+    for (double& width_m : *side)
+      if (width_m <= 0.0) width_m = each_m;
+  return weights;
 }
 
 int first_own_lane(const LaneLayout& layout, bool left, DrivingSide driving_side) {
@@ -346,20 +430,21 @@ int first_own_lane(const LaneLayout& layout, bool left, DrivingSide driving_side
 }
 
 std::optional<double> placed_shift(const RoadPath& path, const LaneLayout& layout, const RoadEndLanes& open,
-                                   const LaneRests& rests, double along, DrivingSide driving_side) {
+                                   const LaneRests& rests, const LaneWeights& weights, double along,
+                                   DrivingSide driving_side) {
   const Placement& placement = path.placement;
   if (!placement.is_told() || layout.is_shared()) return std::nullopt;
   const double start = placement.start >= 0.0 ? placement.start : placement.end,
                end = placement.end >= 0.0 ? placement.end : placement.start;
   const bool left_hand = driving_side == DrivingSide::left, on_left = placement.backward != left_hand;
-  const Division division{open, rests, std::nullopt, left_hand};
+  const Division division{open, rests, weights, std::nullopt, left_hand};
   const double lanes = on_left ? layout.left : layout.right, told = std::min(start + along * (end - start), lanes);
   // Lanes between the line and the centre lane: drivers count from the inside where one drives on the right.
   const double inner = left_hand ? lanes - told : told;
   double share = 0.0;
   for (int i = 0; i < static_cast<int>(lanes); ++i)
     share += std::clamp(inner - i, 0.0, 1.0) * division.share_of(i, on_left);
-  if (!placement.backward) share += open.both_ways * division.lane_share();
+  if (!placement.backward) share += division.both_share();
   return on_left ? -share : share;
 }
 
@@ -423,11 +508,11 @@ class SectionBuilder {
       : layout_(layout),
         options_(options),
         both_on_left_(road.driving_side == roadquery::DrivingSide::left),
-        middle_{all_open(layout), options.rests, options.shift.middle, both_on_left_},
-        start_{options.start.value_or(middle_.open), options.start_rests.value_or(options.rests), options.shift.start,
-               both_on_left_},
-        end_{options.end.value_or(middle_.open), options.end_rests.value_or(options.rests), options.shift.end,
-             both_on_left_},
+        middle_{all_open(layout), options.rests, options.weights, options.shift.middle, both_on_left_},
+        start_{options.start.value_or(middle_.open), options.start_rests.value_or(options.rests),
+               options.start_weights.value_or(options.weights), options.shift.start, both_on_left_},
+        end_{options.end.value_or(middle_.open), options.end_rests.value_or(options.rests),
+             options.end_weights.value_or(options.weights), options.shift.end, both_on_left_},
         carriageway_(fit_profile(widths, {.tolerance = options.tolerance_m, .level_ends = true}).cubics, road.length,
                      tapers(start_, middle_), tapers(end_, middle_)),
         marks_(markings_of(road.highway, layout, widths[widths.size() / 2].value)) {}

@@ -26,7 +26,20 @@ struct LaneUse {
   std::vector<std::string> allowed;  ///< as roadquery::Lane::allowed
 };
 
-/// Numbers of lanes, all equally wide. Forward lanes run with s: right of the centre lane in right-hand traffic.
+/// Of each lane of a side and of those for both directions, from the inside out: how wide they are beside each other. A
+/// lane without a number has the weight 1.
+struct LaneWeights {
+  std::vector<double> left, right, both_ways;
+  [[nodiscard]] bool are_told() const { return !left.empty() || !right.empty() || !both_ways.empty(); }
+  static double at(const std::vector<double>& weights, int lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    return i < weights.size() ? weights[i] : 1.0;
+  }
+  bool operator==(const LaneWeights&) const = default;
+};
+
+/// Numbers of lanes, what the tags say of their widths and of who uses them. Forward lanes run with s: right of the
+/// centre lane in right-hand traffic.
 struct LaneLayout {
   int left = 1, right = 1;
   /// More lanes were tagged than the width has room for.
@@ -36,6 +49,7 @@ struct LaneLayout {
   int both_ways = 0;
   std::vector<LaneUse> left_uses, right_uses;  ///< from the inside out, without both_ways; empty: all for cars
   LaneUse both_use{roadquery::LaneType::bidirectional, {}};
+  LaneWeights told_m;  ///< widths that tags tell, m; 0 of lanes of which they do not; no lists where they tell of none
 
   [[nodiscard]] int total() const { return left + right + both_ways; }
   [[nodiscard]] bool is_shared() const { return left + right == 0; }
@@ -43,6 +57,8 @@ struct LaneLayout {
     const std::vector<LaneUse>& uses = of_left ? left_uses : right_uses;
     return uses.empty() ? LaneUse{} : uses[static_cast<std::size_t>(lane)];
   }
+  /// The sum of the widths that tags tell of all lanes, m; 0 where one lacks.
+  [[nodiscard]] double told_sum_m() const;
   /// Lanes of a side for cars; of a road without any, all of the side.
   [[nodiscard]] int main_lanes(bool of_left) const;
 };
@@ -80,10 +96,14 @@ struct LaneShift {
   std::optional<double> start, middle, end;
 };
 
+/// How the lanes share a carriageway of this width: as wide as the tags tell of each, or in that ratio; lanes of which
+/// they do not tell share what is left in equal parts, 2.2 m at least. No weights where no tag tells.
+[[nodiscard]] LaneWeights lane_weights(const LaneLayout& layout, const LaneRests& rests, double median_width_m);
+
 /// Where placement puts the centre lane of a road with these lanes open, `along` from 0 (start) to 1; none: not told.
 [[nodiscard]] std::optional<double> placed_shift(const RoadPath& path, const LaneLayout& layout,
-                                                 const RoadEndLanes& open, const LaneRests& rests, double along,
-                                                 DrivingSide driving_side);
+                                                 const RoadEndLanes& open, const LaneRests& rests,
+                                                 const LaneWeights& weights, double along, DrivingSide driving_side);
 [[nodiscard]] RoadEndLanes all_open(const LaneLayout& layout);
 
 struct LaneOptions {
@@ -95,6 +115,9 @@ struct LaneOptions {
   /// What goes on of the rests. Not set: all of them.
   std::optional<LaneRests> start_rests, end_rests;
   LaneShift shift;
+  LaneWeights weights;
+  /// Where the road goes on with lanes of other widths. Not set: `weights`.
+  std::optional<LaneWeights> start_weights, end_weights;
 };
 
 /// Fills sections and lane_offset of a road whose length and highway class are known: lanes and what lies beside them

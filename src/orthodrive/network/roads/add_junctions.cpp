@@ -49,11 +49,10 @@ std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 struct Gate {
   Pose pose;
   double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0, crown = 0.0;  ///< crown: its tangent
-  double lane_width_m = 0.0;
   double outer_rest_m = 0.0, inner_rest_m = 0.0;  ///< widths of what lies beside the lanes of one direction alone
-  double inner_t_m = 0.0;   ///< of the edge between the lanes of this direction and the oncoming ones
-  std::vector<int> lanes;   ///< of this direction, from the inside out
-  std::vector<int> places;  ///< of those lanes, in widths of a lane from the innermost one on
+  double inner_t_m = 0.0;  ///< of the edge between the lanes of this direction and the oncoming ones
+  std::vector<int> lanes;  ///< of this direction, from the inside out
+  std::vector<double> lane_widths_m, lanes_from_m;  ///< of those lanes; their inner edges from inner_t_m outwards
   roadquery::LaneType type = roadquery::LaneType::driving;  ///< of those lanes, where they are none for cars
   std::vector<unsigned> arrows;  ///< of the lanes, where they are painted and the gate leads into the junction
 };
@@ -74,22 +73,33 @@ double rest_m(const std::vector<roadquery::Lane>& side, double s) {
   return width_m;
 }
 
+/// How far the inner edge of a lane lies from that of its side's innermost one.
+double inner_edge_m(const std::vector<roadquery::Lane>& side, std::size_t lane, double s) {
+  double edge_m = 0.0;
+  for (std::size_t i = 0; i < lane; ++i) edge_m += roadquery::lane_width(side[i], s);
+  return edge_m;
+}
+
 /// Where the lanes of a gate's direction lie. `own`: the lanes on the side of that direction.
-void place_lanes(const Road& road, const std::vector<roadquery::Lane>& own, bool along_s, double s, Gate& gate) {
+void place_lanes(const Road& road, const std::vector<roadquery::Lane>& own, const std::vector<roadquery::Lane>& others,
+                 bool along_s, double s, Gate& gate) {
   const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   gate.inner_t_m = (along_s ? 1.0 : -1.0) * roadquery::evaluate(road.lane_offset, s);
   gate.lanes = lanes_of_direction(road, along_s);
   if (gate.lanes.empty()) return;
-  const int first = std::abs(gate.lanes.front());
-  const auto lane = std::ranges::find(own, gate.lanes.front(), &roadquery::Lane::id);
-  const bool is_own = lane != own.end();
-  if (is_own) gate.lane_width_m = roadquery::lane_width(*lane, s);
-  for (std::size_t i = 0; i < gate.lanes.size(); ++i)
-    gate.places.push_back(is_own ? std::abs(gate.lanes[i]) - first : static_cast<int>(i));
+  const auto index_in_side = [](int id) { return as_index(std::abs(id) - 1); };
+  const bool is_own = std::ranges::find(own, gate.lanes.front(), &roadquery::Lane::id) != own.end();
+  const std::vector<roadquery::Lane>& lanes = is_own ? own : others;
+  const std::size_t first = index_in_side(gate.lanes.front());
+  for (const int id : gate.lanes) {
+    gate.lane_widths_m.push_back(roadquery::lane_width(lanes[index_in_side(id)], s));
+    gate.lanes_from_m.push_back(is_own ? inner_edge_m(lanes, index_in_side(id), s) - inner_edge_m(lanes, first, s)
+                                       : inner_edge_m(lanes, first, s) - inner_edge_m(lanes, index_in_side(id), s));
+  }
   // Who drives against a road of lanes for both has their outer edge inside.
-  gate.inner_t_m += is_own ? side * (first - 1) * gate.lane_width_m
-                           : -side * static_cast<double>(gate.lanes.size()) * gate.lane_width_m;
-  if (is_own && !roadquery::is_driven(lane->type)) gate.type = lane->type;
+  gate.inner_t_m += side * (is_own ? inner_edge_m(lanes, first, s) : -inner_edge_m(lanes, first + 1, s));
+  const roadquery::LaneType type = lanes[first].type;
+  if (is_own && !roadquery::is_driven(type)) gate.type = type;
 }
 
 Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming) {
@@ -106,23 +116,22 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   const roadquery::LaneSection& section = road.sections.front();
   const bool right = along_s != (road.driving_side == DrivingSide::left);
   const auto &own = right ? section.right : section.left, &opposite = right ? section.left : section.right;
-  for (const auto* side : {&own, &opposite})
-    if (const auto lane = std::ranges::find_if(*side, is_lane); lane != side->end() && gate.lane_width_m == 0.0)
-      gate.lane_width_m = roadquery::lane_width(*lane, s);
   gate.outer_rest_m = rest_m(own, s);
   if (std::ranges::none_of(opposite, is_lane) || std::ranges::none_of(own, is_lane))
     gate.inner_rest_m = rest_m(opposite, s);
-  place_lanes(road, own, along_s, s, gate);
+  place_lanes(road, own, opposite, along_s, s, gate);
   if (incoming) gate.arrows = turn_lanes(path, along_s, road.driving_side);
   if (gate.arrows.size() != gate.lanes.size()) gate.arrows.clear();
   return gate;
 }
 
-/// Of a gate's lane, or of the place where one more would begin.
-int place_of(const Gate& gate, std::size_t lane) {
-  if (lane < gate.places.size()) return gate.places[lane];
-  return gate.places.empty() ? static_cast<int>(lane)
-                             : gate.places.back() + static_cast<int>(lane - gate.places.size()) + 1;
+/// How far from inner_t_m a gate's lane begins, or one more beside its outermost one would.
+double lane_from_m(const Gate& gate, std::size_t lane) {
+  if (lane < gate.lanes_from_m.size()) return gate.lanes_from_m[lane];
+  return gate.lanes_from_m.empty() ? 0.0 : gate.lanes_from_m.back() + gate.lane_widths_m.back();
+}
+double lane_width_m(const Gate& gate, std::size_t lane) {
+  return lane < gate.lane_widths_m.size() ? gate.lane_widths_m[lane] : 0.0;
 }
 
 double angle_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(in, out)); }
@@ -487,9 +496,9 @@ struct LaneSpan {
 };
 LaneSpan span_of(const Gate& gate, std::size_t first, std::size_t count, DrivingSide driving_side) {
   const double side = driving_side == DrivingSide::left ? 1.0 : -1.0;
-  const int place = place_of(gate, first), last = place_of(gate, first + std::max<std::size_t>(count, 1) - 1);
-  const double inner = gate.inner_t_m + side * place * gate.lane_width_m;
-  const double outer = inner + side * (last + 1 - place) * gate.lane_width_m;
+  const std::size_t last = first + std::max<std::size_t>(count, 1) - 1;
+  const double inner = gate.inner_t_m + side * lane_from_m(gate, first);
+  const double outer = gate.inner_t_m + side * (lane_from_m(gate, last) + lane_width_m(gate, last));
   return {std::max(inner, outer), std::min(inner, outer)};
 }
 
@@ -522,7 +531,8 @@ Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool
   const double stretch =
       distance_across_m(road, s, sign, {lanes.left_t, lanes.right_t}) / (lanes.left_t - lanes.right_t);
   gate.inner_t_m = (gate.inner_t_m - t) * stretch;
-  gate.lane_width_m *= stretch;
+  for (double& width_m : gate.lane_widths_m) width_m *= stretch;
+  for (double& from_m : gate.lanes_from_m) from_m *= stretch;
   return gate;
 }
 
@@ -535,7 +545,7 @@ void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& 
   const LaneSpan at_in = span_of(in, m.first_in, m.count_in, driving_side),
                  at_out = span_of(out, m.first_out, m.count_out, driving_side);
   const auto driven = [](const LaneSpan& lanes, const Gate& gate, double t) {
-    const double inset = 0.25 * gate.lane_width_m;
+    const double inset = 0.25 * lane_width_m(gate, 0);
     return LaneSpan{lanes.left_t - t - inset, lanes.right_t - t + inset};
   };
   double best = least_room(geometry.plan, driven(at_in, in, 0.0), driven(at_out, out, 0.0));
@@ -575,7 +585,7 @@ void add_connecting_rests(Road& road, const Movement& m, const Gate& in, const G
 void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const Gate& out) {
   const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   const auto inner_t = [side](const Gate& gate, std::size_t first) {
-    return gate.inner_t_m + side * place_of(gate, first) * gate.lane_width_m;
+    return gate.inner_t_m + side * lane_from_m(gate, first);
   };
   const double t0 = inner_t(in, m.first_in), t1 = inner_t(out, m.first_out);
   if (t0 != 0.0 || t1 != 0.0) road.lane_offset = ease_along(road.plan, t0, t1);
@@ -586,8 +596,8 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
     roadquery::Lane lane;
     lane.id = static_cast<int>(side) * (static_cast<int>(i) + 1);
     lane.type = in.type != roadquery::LaneType::driving ? in.type : out.type;
-    lane.width =
-        ease_along(road.plan, i < m.count_in ? in.lane_width_m : 0.0, i < m.count_out ? out.lane_width_m : 0.0);
+    lane.width = ease_along(road.plan, i < m.count_in ? lane_width_m(in, m.first_in + i) : 0.0,
+                            i < m.count_out ? lane_width_m(out, m.first_out + i) : 0.0);
     if (i < m.count_in) lane.predecessor = in.lanes[m.first_in + i];
     if (i < m.count_out) lane.successor = out.lanes[m.first_out + i];
     lane.marks.push_back({0.0, "none", 0.0});

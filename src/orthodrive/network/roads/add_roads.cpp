@@ -53,6 +53,8 @@ struct Draft {
   LaneRests rests;
   std::optional<LaneRests> start_rests, end_rests;
   LaneShift shift;
+  LaneWeights weights;
+  std::optional<LaneWeights> start_weights, end_weights;
 };
 
 const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[draft.path]; }
@@ -68,8 +70,10 @@ Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1
   const double median_m = draft.median_m = median_value(geometry.widths[k]);
   draft.layout = lane_layout(path, median_m, plan.options.driving_side);
   draft.rests = lane_rests(path, draft.layout, median_m, plan.options.driving_side);
+  draft.weights = lane_weights(draft.layout, draft.rests, median_m);
   const auto shift_at = [&](double along) {
-    return placed_shift(path, draft.layout, all_open(draft.layout), draft.rests, along, plan.options.driving_side);
+    return placed_shift(path, draft.layout, all_open(draft.layout), draft.rests, draft.weights, along,
+                        plan.options.driving_side);
   };
   draft.shift = {shift_at(0.0), shift_at(0.5), shift_at(1.0)};
 
@@ -167,6 +171,65 @@ void settle_transition(const NetworkPlan& plan, Draft& draft) {
   if (draft.shift.start && draft.shift.end) draft.shift.middle = 0.5 * (*draft.shift.start + *draft.shift.end);
 }
 
+/// The weights of a side's lanes, as shares of all that are open.
+struct OpenWeights {
+  std::vector<double>* weights = nullptr;
+  int first = 0, count = 0;
+  [[nodiscard]] double& at(int i) const { return (*weights)[index_of(first + i)]; }
+};
+
+/// All lanes of a road that are open at a joint, its weights grown to all its lanes and their sum 1 over the open ones.
+struct JointWeights {
+  JointWeights(const Draft& draft, const RoadEndLanes& open) : all(draft.weights), is_told(all.are_told()) {
+    all.left.resize(index_of(draft.layout.left), 1.0), all.right.resize(index_of(draft.layout.right), 1.0);
+    all.both_ways.resize(index_of(draft.layout.both_ways), 1.0);
+    left = {&all.left, open.left.first, open.left.count};
+    right = {&all.right, open.right.first, open.right.count};
+    both_ways = {&all.both_ways, 0, open.both_ways};
+    double sum = 0.0;
+    for (const OpenWeights* side : {&left, &right, &both_ways})
+      for (int i = 0; i < side->count; ++i) sum += side->at(i);
+    for (std::vector<double>* weights : {&all.left, &all.right, &all.both_ways})
+      for (double& weight : *weights) weight /= sum;
+  }
+  JointWeights(const JointWeights&) = delete;
+  JointWeights& operator=(const JointWeights&) = delete;
+
+  /// Takes its side of the joint: nothing where that leaves the lanes as they are, and all of them are open.
+  void settle(const JointWeights& before, const RoadEndLanes& open, std::optional<LaneWeights>& at_joint) const {
+    constexpr double same_share = 1e-9;
+    bool is_same =
+        is_told && open.count() == static_cast<int>(all.left.size() + all.right.size() + all.both_ways.size());
+    for (const auto weights : {&LaneWeights::left, &LaneWeights::right, &LaneWeights::both_ways})
+      for (std::size_t i = 0; i < (all.*weights).size(); ++i)
+        is_same = is_same && std::abs((all.*weights)[i] - (before.all.*weights)[i]) < same_share;
+    if (!is_same) at_joint = all;
+  }
+
+  LaneWeights all;
+  bool is_told = false;
+  OpenWeights left, right, both_ways;
+};
+
+/// How wide the lanes are beside each other where two roads are linked: as tags tell of the one road or the other, in
+/// the middle where they tell of both. Lanes of a road that tells nothing go over from there to equal widths.
+void match_weights(Draft& a, bool a_at_end, const RoadEndLanes& open_a, Draft& b, bool b_at_end,
+                   const RoadEndLanes& open_b) {
+  if (!a.weights.are_told() && !b.weights.are_told()) return;
+  JointWeights of_a(a, open_a), of_b(b, open_b);
+  const double share_of_a = of_a.is_told && of_b.is_told ? 0.5 : of_a.is_told ? 1.0 : 0.0;
+  const auto blend = [&](double& x, double& y) { x = y = share_of_a * x + (1.0 - share_of_a) * y; };
+  const bool same_direction = a_at_end != b_at_end;
+  const OpenWeights &left_of_b = same_direction ? of_b.left : of_b.right,
+                    &right_of_b = same_direction ? of_b.right : of_b.left;
+  for (int i = 0; i < of_a.left.count; ++i) blend(of_a.left.at(i), left_of_b.at(i));
+  for (int i = 0; i < of_a.right.count; ++i) blend(of_a.right.at(i), right_of_b.at(i));
+  const int both = of_a.both_ways.count;
+  for (int i = 0; i < both; ++i) blend(of_a.both_ways.at(i), of_b.both_ways.at(same_direction ? i : both - 1 - i));
+  of_a.settle(JointWeights(a, open_a), open_a, a_at_end ? a.end_weights : a.start_weights);
+  of_b.settle(JointWeights(b, open_b), open_b, b_at_end ? b.end_weights : b.start_weights);
+}
+
 /// Settles which lanes are open where two roads are linked, in both directions.
 void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool b_at_end) {
   RoadEndLanes open_a, open_b;
@@ -190,6 +253,7 @@ void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool
   (a_at_end ? a.end_rests : a.start_rests) = rests_at_joint(a.rests, b.rests, same_direction);
   (b_at_end ? b.end_rests : b.start_rests) = rests_at_joint(b.rests, a.rests, same_direction);
   match_shifts(a, a_at_end, b, b_at_end);
+  match_weights(a, a_at_end, open_a, b, b_at_end, open_b);
 }
 
 /// Whether two lanes outside the driven ones are one. Strips that end at the joint are not.
@@ -266,7 +330,7 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
     settle_transition(plan, drafts[k]);
     add_lanes(road, draft.layout, draft.widths,
               {plan.options.width_tolerance_m, path.sidewalk, draft.rests, draft.start, draft.end, draft.start_rests,
-               draft.end_rests, draft.shift});
+               draft.end_rests, draft.shift, draft.weights, draft.start_weights, draft.end_weights});
     set_lane_speeds(road, path);
     set_material(road, path.known_surface.surface, plan.options.weather);
     add_crown(road, draft.crown, plan.options.shape_tolerance_m, max_rate_jump_of(road));

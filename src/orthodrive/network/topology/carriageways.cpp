@@ -170,7 +170,7 @@ RoadNetwork assume_carriageways(RoadNetwork roads, DrivingSide driving_side, Fin
     if (ways[i] < 0) turn_round(path);
     path.oneway = Oneway::forward;
     path.lanes_forward = path.lanes, path.lanes_backward = path.lanes_both_ways = 0;
-    path.turn_backward.clear(), path.use_backward.clear();
+    path.turn_backward.clear(), path.use_backward.clear(), path.widths_backward.clear();
     findings.push_back({Severity::warning, "network.carriageway_assumed",
                         fmt::format("way {}: runs beside another {} of the same name, and no way of the map is tagged "
                                     "oneway; took it as a carriageway",

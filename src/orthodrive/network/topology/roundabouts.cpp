@@ -154,7 +154,7 @@ RoadNetwork assume_roundabouts(RoadNetwork roads, DrivingSide driving_side, Find
       path.oneway = Oneway::forward;
       path.lanes = path.lanes > 1 ? path.lanes / 2 : path.lanes;
       path.lanes_forward = path.lanes, path.lanes_backward = path.lanes_both_ways = 0;
-      path.turn_backward.clear(), path.use_backward.clear();
+      path.turn_backward.clear(), path.use_backward.clear(), path.widths_backward.clear();
     }
     const RoadPath& path = roads.paths[paths.begin()->first];
     findings.push_back({Severity::warning, "network.roundabout_assumed",
