@@ -84,14 +84,59 @@ TEST(OsmOddities, restrictions_of_cars_that_are_not_read_are_told) {
       restriction(7, over_way, {{"restriction", "no_u_turn"}, {"except", "bicycle;motorcar"}}) +
       restriction(8, over_way, {{"restriction:hgv:conditional", "no_u_turn @ (22:00-06:00)"}}));
   const RoadNetwork roads = map.roads();
-  ASSERT_EQ(roads.restrictions.size(), 1U);
+  ASSERT_EQ(roads.restrictions.size(), 2U);
   EXPECT_EQ(roads.restrictions[0].via_node, 21);
-  EXPECT_THAT(map.told(), ElementsAre(HasSubstr("osm.restriction_not_read: relation 2: no_u_turn goes over a way"),
-                                      HasSubstr("relation 3: no_left_turn @ (07:00-09:00) counts at some hours only"),
+  EXPECT_THAT(roads.restrictions[0].via_ways, IsEmpty());
+  EXPECT_THAT(roads.restrictions[1].via_ways, ElementsAre(8));
+  EXPECT_THAT(map.told(), ElementsAre(HasSubstr("relation 3: no_left_turn @ (07:00-09:00) counts at some hours only"),
                                       HasSubstr("relation 4: restriction=left is not known"),
                                       HasSubstr("relation 5: no_exit lacks from, via or to")));
-  EXPECT_NEAR(map.findings[0].x_m, origin.x + 20.0, 0.1) << "where the way begins that one goes over";
-  EXPECT_EQ(map.findings[1].severity, Severity::info);
+  EXPECT_EQ(map.findings[0].severity, Severity::info);
+}
+
+/// A relation whose members are ways: from, to and those between, in the order given.
+std::string over_ways(int id, const std::string& value, int from, const std::vector<int>& via, int to) {
+  std::string members = member_xml("way", to, "to");
+  for (const int way : via) members += member_xml("way", way, "via");
+  return relation_of(id, members + member_xml("way", from, "from"), {{"type", "restriction"}, {"restriction", value}});
+}
+
+TEST(OsmOddities, ways_over_which_a_restriction_goes_stand_in_any_order_and_direction) {
+  const io::OsmTags one_way{{"highway", "residential"}, {"oneway", "yes"}};
+  // 7 from 11 to 21, then 8, 9 and 10 up to 51, then 12; drawn in both directions. 13 crosses 9 on its way.
+  const std::string ways = way_of(7, {11, 21}, one_way) + way_of(8, {31, 21}, street) +
+                           way_of(9, {31, 32, 41}, street) +
+                           way_of(10, {51, 41}, {{"highway", "residential"}, {"oneway", "-1"}}) +
+                           way_of(12, {61, 51, 52}, street) + way_of(13, {22, 32, 42}, street);
+  std::vector<int> via{8, 9, 10};
+  do {
+    ReadMap map(ways + over_ways(1, "no_left_turn", 7, via, 12));
+    const RoadNetwork roads = map.roads();
+    ASSERT_EQ(roads.restrictions.size(), 1U);
+    EXPECT_EQ(roads.restrictions[0].via_node, 21);
+    EXPECT_THAT(roads.restrictions[0].via_ways, ElementsAre(8, 9, 10));
+    EXPECT_THAT(map.told(), IsEmpty());
+  } while (std::next_permutation(via.begin(), via.end()));
+  ReadMap map(ways + over_ways(1, "only_straight_on", 8, {9}, 13));
+  EXPECT_THAT(map.roads().restrictions.at(0).via_ways, ElementsAre(9)) << "leaves it in its middle";
+}
+
+TEST(OsmOddities, restrictions_over_ways_that_cannot_be_driven_are_told) {
+  const io::OsmTags one_way{{"highway", "residential"}, {"oneway", "yes"}};
+  const std::string ways = way_of(7, {11, 21}, one_way) + way_of(8, {21, 31}, one_way) + way_of(9, {31, 41}, one_way) +
+                           way_of(10, {51, 61}, street) + way_of(11, {21, 22}, {{"highway", "footway"}});
+  ReadMap map(ways + over_ways(1, "no_u_turn", 9, {8}, 7) + over_ways(2, "only_right_turn", 7, {10}, 9) +
+              over_ways(3, "no_u_turn", 7, {77}, 9) + over_ways(4, "no_u_turn", 7, {11}, 9) +
+              over_ways(5, "no_u_turn", 8, {7}, 9) + over_ways(6, "no_u_turn", 7, {8, 8, 8, 8, 8, 8, 8, 8, 8}, 9) +
+              over_ways(7, "no_entry", 7, {8}, 9));
+  const RoadNetwork roads = map.roads();
+  ASSERT_EQ(roads.restrictions.size(), 1U);
+  EXPECT_THAT(map.told(), ElementsAre(HasSubstr("relation 1: no_u_turn over ways is left out: cars drive from way 7"),
+                                      HasSubstr("relation 2: only_right_turn over ways is left out: its ways do not"),
+                                      HasSubstr("relation 3: no_u_turn over ways is left out: way 77 is no road"),
+                                      HasSubstr("relation 4: no_u_turn over ways is left out: way 11 is no road"),
+                                      HasSubstr("relation 5: no_u_turn over ways is left out: "),
+                                      HasSubstr("relation 6: no_u_turn over ways is left out: it goes over 9 ways")));
 }
 
 TEST(OsmOddities, an_only_turn_that_is_none_closes_nothing) {

@@ -56,7 +56,7 @@ RoadNetwork two_roads() {
   raw.turn_forward = "left|through;right", raw.turn_backward = "none";
   raw.speed_limit_kmh = 48.28032, raw.sidewalk = Sides::right, raw.shoulder = Sides::both, raw.surface = "asphalt";
   raw.known_surface = {SurfaceClass::setts, SurfaceSource::photo};  // not what the tag says: the columns count
-  roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false}};
+  roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false, {-8, 123456789012346}}};
   roads.signs = {{77, NodeSignKind::stop, -1},
                  {78, NodeSignKind::zebra, 0},
                  {79, NodeSignKind::mini_roundabout, 0, "clockwise", 17.5},
@@ -73,7 +73,8 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
   ASSERT_EQ(a.restrictions.size(), b.restrictions.size());
   for (std::size_t i = 0; i < a.restrictions.size(); ++i) {
     const TurnRestriction &p = a.restrictions[i], &q = b.restrictions[i];
-    EXPECT_EQ(std::tie(p.from_way, p.via_node, p.to_way, p.only), std::tie(q.from_way, q.via_node, q.to_way, q.only));
+    EXPECT_EQ(std::tie(p.from_way, p.via_node, p.to_way, p.only, p.via_ways),
+              std::tie(q.from_way, q.via_node, q.to_way, q.only, q.via_ways));
   }
   ASSERT_EQ(a.signs.size(), b.signs.size());
   for (std::size_t i = 0; i < a.signs.size(); ++i) {

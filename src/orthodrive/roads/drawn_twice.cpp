@@ -149,9 +149,13 @@ void report(const RoadPath& path, const DoubledPath& twice, const RoadPath& by, 
 
 /// Ways that are gone, by the one that stays in their place.
 void rename_ways(RoadNetwork& roads, const std::map<std::int64_t, std::int64_t>& stays) {
-  for (TurnRestriction& restriction : roads.restrictions)
-    for (std::int64_t* way : {&restriction.from_way, &restriction.to_way})
-      if (const auto at = stays.find(*way); at != stays.end()) *way = at->second;
+  const auto rename = [&](std::int64_t& way) {
+    if (const auto at = stays.find(way); at != stays.end()) way = at->second;
+  };
+  for (TurnRestriction& restriction : roads.restrictions) {
+    rename(restriction.from_way), rename(restriction.to_way);
+    for (std::int64_t& way : restriction.via_ways) rename(way);
+  }
 }
 
 }  // namespace

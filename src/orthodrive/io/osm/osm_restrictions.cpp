@@ -61,13 +61,14 @@ class RestrictionReader {
       return unread(Severity::warning, fmt::format("restriction={} is not known and left out", printable(value)));
     if (members_.from_ways.empty() || to_.empty() || (members_.via_nodes.empty() && members_.via_ways.empty()))
       return unread(Severity::warning, fmt::format("{} lacks from, via or to and is left out", value));
-    if (!members_.via_ways.empty() || members_.via_nodes.size() != 1)
-      return unread(Severity::warning,
-                    fmt::format("{} goes over a way and is left out: those over one node are read", value));
+    if (members_.via_ways.empty() && members_.via_nodes.size() != 1)
+      return unread(Severity::warning, fmt::format("{} has {} nodes as via and is left out: one node, or ways", value,
+                                                   members_.via_nodes.size()));
+    const std::int64_t via_node = members_.via_ways.empty() ? members_.via_nodes.front() : 0;
     OsmRestrictions all;
     for (const std::int64_t a : members_.from_ways)
       for (const std::int64_t b : to_)
-        all.read.push_back({members_.relation, {a, members_.via_nodes.front(), b, only}});
+        all.read.push_back({members_.relation, value, {a, via_node, b, only, members_.via_ways}});
     return all;
   }
 

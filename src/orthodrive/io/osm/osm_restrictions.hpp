@@ -22,7 +22,8 @@ struct UnreadRestriction {
 
 struct ReadRestriction {
   std::int64_t relation = 0;
-  TurnRestriction turn;
+  std::string value;     ///< "no_left_turn"
+  TurnRestriction turn;  ///< over ways: they stand as in the relation, and via_node is not known (order_via_ways)
 };
 
 struct OsmRestrictions {
@@ -30,9 +31,9 @@ struct OsmRestrictions {
   std::vector<UnreadRestriction> unread;
 };
 
-/// Turns that relations forbid (no_*), or the only ones that they allow (only_*), over one node, at all hours. Of a
-/// relation in several files the latest version counts, of equal ones the first. What counts for lorries or buses alone
-/// or exempts cars is neither read nor unread.
+/// Turns that relations forbid (no_*), or the only ones that they allow (only_*), over one node or over ways, at all
+/// hours. Of a relation in several files the latest version counts, of equal ones the first. What counts for lorries or
+/// buses alone or exempts cars is neither read nor unread.
 [[nodiscard]] OsmRestrictions read_restrictions(const std::vector<std::filesystem::path>& files);
 
 }  // namespace orthodrive::io

@@ -15,6 +15,7 @@
 #include <span>
 #include <string_view>
 
+#include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/osm/built_up_areas.hpp"
 #include "orthodrive/io/osm/osm_restrictions.hpp"
 #include "orthodrive/io/osm/osm_road_ids.hpp"
@@ -22,6 +23,7 @@
 #include "orthodrive/io/osm/osm_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 #include "orthodrive/io/osm/turning_places.hpp"
+#include "orthodrive/io/osm/via_ways.hpp"
 #include "orthodrive/io/support/clip_line.hpp"
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/io/support/osm_support.hpp"
@@ -425,24 +427,53 @@ bool leads_away(const DrivableWay& way, std::int64_t node) {
   return false;
 }
 
+UnreadRestriction unread_of(const ReadRestriction& restriction, std::string why) {
+  const TurnRestriction& turn = restriction.turn;
+  std::vector<std::int64_t> via_nodes;
+  if (turn.via_ways.empty()) via_nodes.push_back(turn.via_node);
+  return {restriction.relation, Severity::warning,    std::move(why),
+          {turn.from_way},      std::move(via_nodes), turn.via_ways};
+}
+
+/// Restrictions over ways get their order; those that cannot be driven are unread.
+void order_restrictions(const std::vector<DrivableWay>& ways, OsmRestrictions& restrictions) {
+  std::map<std::int64_t, TurningWay> turning;
+  const FindTurningWay find = [&](std::int64_t id) -> const TurningWay* {
+    if (const auto known = turning.find(id); known != turning.end()) return &known->second;
+    const auto way = std::ranges::lower_bound(ways, id, {}, &DrivableWay::id);
+    if (way == ways.end() || way->id != id || way->attributes.omitted) return nullptr;
+    TurningWay found{way->nodes, way->attributes.path.oneway == Oneway::forward};
+    for (auto half = way + 1; half != ways.end() && half->id == id; ++half)  // of one that extracts have cut
+      found.nodes.insert(found.nodes.end(), half->nodes.begin(), half->nodes.end());
+    return &turning.emplace(id, std::move(found)).first->second;
+  };
+  std::vector<ReadRestriction> ordered;
+  for (ReadRestriction& restriction : restrictions.read) {
+    std::string why;
+    if (!restriction.turn.via_ways.empty()) why = order_via_ways(restriction.turn, find);
+    if (why.empty())
+      ordered.push_back(std::move(restriction));
+    else
+      restrictions.unread.push_back(
+          unread_of(restriction, fmt::format("{} over ways is left out: {}", printable(restriction.value), why)));
+  }
+  restrictions.read = std::move(ordered);
+}
+
 /// The only turn that a relation allows closes all others: not if that one is none.
 void leave_out_impossible(const std::vector<DrivableWay>& ways, OsmRestrictions& restrictions) {
   const auto is_possible = [&](const ReadRestriction& restriction) {
     const auto way = std::ranges::lower_bound(ways, restriction.turn.to_way, {}, &DrivableWay::id);
-    return !restriction.turn.only || std::any_of(way, ways.end(), [&, is_same = true](const DrivableWay& part) mutable {
+    const bool closes_others = restriction.turn.only && restriction.turn.via_ways.empty();
+    return !closes_others || std::any_of(way, ways.end(), [&, is_same = true](const DrivableWay& part) mutable {
       is_same = is_same && part.id == restriction.turn.to_way;  // halves of a way stand beside each other
       return is_same && leads_away(part, restriction.turn.via_node);
     });
   };
   const auto impossible = std::stable_partition(restrictions.read.begin(), restrictions.read.end(), is_possible);
   for (auto it = impossible; it != restrictions.read.end(); ++it)
-    restrictions.unread.push_back(
-        {it->relation,
-         Severity::warning,
-         fmt::format("only_* to way {}, along which no car leaves that node, is left out", it->turn.to_way),
-         {it->turn.from_way},
-         {it->turn.via_node},
-         {}});
+    restrictions.unread.push_back(unread_of(
+        *it, fmt::format("only_* to way {}, along which no car leaves that node, is left out", it->turn.to_way)));
   restrictions.read.erase(impossible, restrictions.read.end());
 }
 
@@ -488,6 +519,7 @@ RoadNetwork read_osm_roads(const std::vector<std::filesystem::path>& files, cons
   for (const std::filesystem::path& path : files) names += (names.empty() ? "" : ", ") + path.string();
   check_roads(names, ways, places, maker.area_lonlat(), roads);
   OsmRestrictions restrictions = read_restrictions(files);
+  order_restrictions(ways, restrictions);
   leave_out_impossible(ways, restrictions);
   for (const ReadRestriction& restriction : restrictions.read) roads.restrictions.push_back(restriction.turn);
   for (const UnreadRestriction& restriction : restrictions.unread) maker.report_restriction(restriction, ways);

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/median.hpp"
+#include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/support/ogr_support.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/io/vector/qgis_style.hpp"
@@ -51,6 +53,7 @@ constexpr Field text_fields[] = {{"speed_context", OFTString},
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
     {"from_way", OFTInteger64}, {"via_node", OFTInteger64}, {"to_way", OFTInteger64}, {"only", OFTInteger}};
+constexpr Field later_restriction_field = {"via_ways", OFTString};  // "7 8"; older files lack it
 constexpr Field sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger},
                                  {"value", OFTString},       {"size_m", OFTReal}, {"closed", OFTInteger}};
 constexpr Field old_sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger}};
@@ -246,12 +249,14 @@ void write_restrictions(GDALDataset& dataset, const std::vector<TurnRestriction>
                         const GdalErrors& errors) {
   if (restrictions.empty()) return;
   OGRLayer& layer = create_layer(dataset, "restrictions", wkbNone, nullptr, restriction_fields);
+  create_field(layer, later_restriction_field.name, later_restriction_field.type);
   for (const TurnRestriction& restriction : restrictions) {
     OGRFeature row(layer.GetLayerDefn());
     row.SetField("from_way", static_cast<GIntBig>(restriction.from_way));
     row.SetField("via_node", static_cast<GIntBig>(restriction.via_node));
     row.SetField("to_way", static_cast<GIntBig>(restriction.to_way));
     row.SetField("only", restriction.only ? 1 : 0);
+    row.SetField(later_restriction_field.name, fmt::format("{}", fmt::join(restriction.via_ways, " ")).c_str());
     add_feature(layer, row, file, errors);
   }
 }
@@ -432,6 +437,21 @@ bool holds_roads(const fs::path& path) {
   return dataset->GetLayerByName("centrelines") && dataset->GetLayerByName("nodes");
 }
 
+namespace {
+/// Over which ways a restriction goes; none in files of older versions.
+std::vector<std::int64_t> via_ways_of(const fs::path& path, const OGRFeature& row) {
+  const int field = row.GetFieldIndex(later_restriction_field.name);
+  if (field < 0) return {};
+  std::vector<std::int64_t> ways;
+  std::istringstream text(row.GetFieldAsString(field));
+  for (std::int64_t way = 0; text >> way;) ways.push_back(way);
+  if (!text.eof())
+    throw InputError(path.string(), fmt::format("has a restriction with via_ways='{}', need numbers of ways",
+                                                printable(row.GetFieldAsString(field))));
+  return ways;
+}
+}  // namespace
+
 RoadNetwork read_roads(const fs::path& path) {
   const DatasetPtr dataset = open_dataset(path, GDAL_OF_VECTOR);
   OGRLayer& centrelines = need_layer(path, *dataset, "centrelines");
@@ -459,7 +479,8 @@ RoadNetwork read_roads(const fs::path& path) {
     need_fields(path, *restrictions, restriction_fields);
     for (const auto& row : *restrictions)
       roads.restrictions.push_back({row->GetFieldAsInteger64("from_way"), row->GetFieldAsInteger64("via_node"),
-                                    row->GetFieldAsInteger64("to_way"), row->GetFieldAsInteger("only") != 0});
+                                    row->GetFieldAsInteger64("to_way"), row->GetFieldAsInteger("only") != 0,
+                                    via_ways_of(path, *row)});
   }
   if (OGRLayer* signs = dataset->GetLayerByName("signs")) {
     need_fields(path, *signs, old_sign_fields);  // files of older versions have no more

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "orthodrive/core/median.hpp"
@@ -16,6 +18,7 @@
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/line/connecting_line.hpp"
 #include "orthodrive/network/roads/road_parts.hpp"
+#include "orthodrive/network/roads/turn_rules.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -140,7 +143,8 @@ double angle_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(
 struct InnerWay {
   VertexIndex vertex0, vertex1;
   Leg leg;                               ///< from vertex0 to vertex1
-  std::int64_t way0 = 0, way1 = 0;       ///< OSM's, at either end
+  std::vector<std::int64_t> ways;        ///< OSM's, from vertex0 to vertex1
+  std::vector<std::int64_t> nodes;       ///< OSM's, between one way and the next
   bool forward = true, backward = true;  ///< whether one may drive from vertex0 to vertex1, and back
   Vec2 direction0, direction1;           ///< at either end, driving from vertex0 to vertex1
 };
@@ -156,8 +160,8 @@ InnerWay inner_way(const NetworkPlan& plan, const Stretch& stretch) {
     if (geometry.vertex_s[k] < stretch.s0 || geometry.vertex_s[k + 1] > stretch.s1) continue;
     const DirectedPiece part = chain.pieces[k];
     const RoadPath& path = plan.roads.paths[plan.topology.pieces[part.piece].path];
-    if (inner.way0 == 0) inner.way0 = path.osm_id;
-    inner.way1 = path.osm_id;
+    if (!inner.ways.empty()) inner.nodes.push_back(plan.topology.vertices[start_vertex(plan.topology, part)].osm_node);
+    inner.ways.push_back(path.osm_id);
     if (path.oneway != Oneway::no) (part.reversed ? inner.forward : inner.backward) = false;
   }
   return inner;
@@ -172,28 +176,10 @@ std::vector<std::vector<InnerWay>> inner_ways(const NetworkPlan& plan, std::size
   return ways;
 }
 
-/// What relations say of the ways on at a node.
-class Restrictions {
- public:
-  explicit Restrictions(const NetworkPlan& plan) : plan_(plan) {
-    for (const TurnRestriction& r : plan.roads.restrictions) at_node_[r.via_node].push_back(&r);
-  }
-  [[nodiscard]] bool forbid(VertexIndex vertex, std::int64_t from_way, std::int64_t to_way) const {
-    const auto found = at_node_.find(plan_.topology.vertices[vertex].osm_node);
-    return found != at_node_.end() && std::ranges::any_of(found->second, [&](const TurnRestriction* r) {
-             return r->from_way == from_way && r->only != (r->to_way == to_way);
-           });
-  }
-
- private:
-  const NetworkPlan& plan_;
-  std::map<std::int64_t, std::vector<const TurnRestriction*>> at_node_;
-};
-
 /// A vertex of a joined junction, and how one has come there.
 struct Arrival {
   VertexIndex vertex;
-  std::int64_t way = 0;
+  DrivenWay driven;
   Vec2 direction;                ///< in which one drives
   const InnerWay* on = nullptr;  ///< null: by the road that one comes from
   bool turned = false;           ///< one had to turn round on the way
@@ -202,27 +188,75 @@ struct Arrival {
 
 bool turns_round(Vec2 in, Vec2 out) { return std::abs(angle_between(in, out)) > max_turn_rad; }
 
+std::int64_t node_of(const NetworkPlan& plan, VertexIndex vertex) { return plan.topology.vertices[vertex].osm_node; }
+
+/// Where one is after an inner way; none where that is forbidden.
+std::optional<DrivenWay> driven_over(const TurnRules& rules, DrivenWay driven, std::int64_t node, const InnerWay& inner,
+                                     bool forward) {
+  const std::size_t count = inner.ways.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t way = inner.ways[forward ? i : count - 1 - i];
+    if (i > 0) node = inner.nodes[forward ? i - 1 : count - 1 - i];
+    if (rules.forbid(driven, node, way)) return std::nullopt;
+    driven = rules.drive_on(driven, node, way);
+  }
+  return driven;
+}
+
+/// The ways from an end's vertex to its cut, as if they lay inside.
+InnerWay way_to_cut(const NetworkPlan& plan, const JunctionEnd& end) {
+  const Stretch& stretch = plan.junctions.stretches[end.stretch];
+  const Chain& chain = plan.topology.chains[stretch.chain];
+  const ChainGeometry& geometry = plan.geometry[stretch.chain];
+  const double s0 = end.at_begin ? stretch.s0 : end.chain_s, s1 = end.at_begin ? end.chain_s : stretch.s1;
+  constexpr double touches_m = 1e-6;
+  InnerWay inner;
+  for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
+    if (geometry.vertex_s[k] > s1 - touches_m || geometry.vertex_s[k + 1] < s0 + touches_m) continue;
+    const DirectedPiece part = chain.pieces[k];
+    if (!inner.ways.empty()) inner.nodes.push_back(node_of(plan, start_vertex(plan.topology, part)));
+    inner.ways.push_back(plan.roads.paths[plan.topology.pieces[part.piece].path].osm_id);
+  }
+  if (inner.ways.empty()) inner.ways.push_back(plan.roads.paths[end.path].osm_id);
+  if (end.at_begin) return inner;
+  std::ranges::reverse(inner.ways), std::ranges::reverse(inner.nodes);
+  return inner;
+}
+
+/// Where one is at the vertex when one comes from the road of an end.
+std::optional<DrivenWay> driven_in(const TurnRules& rules, const InnerWay& to_cut) {
+  return driven_over(rules, {to_cut.ways.back(), {}}, 0, to_cut, false);
+}
+
 /// Where one can drive to from a road's end on the inner ways of a joined junction. First what needs no turning round.
-std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
+/// A vertex is reached once from each inner way and with each state of the restrictions: their number bounds it.
+std::vector<Arrival> arrivals_from(const NetworkPlan& plan, const std::vector<InnerWay>& inside, const TurnRules& rules,
                                    Arrival start) {
+  constexpr std::size_t most_arrivals = 4096;  // against maps whose restrictions are made to harm
   std::vector<Arrival> arrivals{std::move(start)};
   for (const bool round : {false, true})
-    for (std::size_t next = 0; next < arrivals.size(); ++next) {
+    for (std::size_t next = 0; next < arrivals.size() && arrivals.size() < most_arrivals; ++next) {
       const Arrival here = arrivals[next];
-      const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Vec2 into, Arrival there) {
-        if (!allowed || from != here.vertex || here.on == there.on) return;
-        if (restrictions.forbid(here.vertex, here.way, first_way)) return;
+      const auto drive = [&](bool forward, VertexIndex from, Vec2 into, Arrival there) {
+        const InnerWay& inner = *there.on;
+        if (!(forward ? inner.forward : inner.backward) || from != here.vertex || here.on == there.on) return;
+        const std::optional<DrivenWay> driven =
+            driven_over(rules, here.driven, node_of(plan, here.vertex), inner, forward);
+        if (!driven) return;
+        there.driven = *driven;
         there.turned = here.turned || turns_round(here.direction, into);
-        const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
+        const auto known = [&](const Arrival& a) {
+          return a.vertex == there.vertex && a.on == there.on && a.driven == there.driven;
+        };
         if (there.turned && !round) return;
         if (std::ranges::any_of(arrivals, known)) return;
         there.legs.insert(there.legs.begin(), here.legs.begin(), here.legs.end());
         arrivals.push_back(there);
       };
       for (const InnerWay& w : inside) {
-        drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w, false, {w.leg}});
-        drive(w.backward, w.vertex1, w.way1, w.direction1 * -1.0,
-              {w.vertex0, w.way0, w.direction0 * -1.0, &w, false, {{w.leg.chain, w.leg.s1, w.leg.s0}}});
+        drive(true, w.vertex0, w.direction0, {w.vertex1, {}, w.direction1, &w, false, {w.leg}});
+        drive(false, w.vertex1, w.direction1 * -1.0,
+              {w.vertex0, {}, w.direction0 * -1.0, &w, false, {{w.leg.chain, w.leg.s1, w.leg.s0}}});
       }
     }
   return arrivals;
@@ -287,21 +321,28 @@ bool leads_back(const JunctionPlan& junctions, const JunctionEnd& from, const Ju
 }
 
 /// Movements from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
-/// `sharp` collects turns that turn round; they are used only where a road has no other way in.
-std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions& restrictions,
+/// `sharp` collects turns that turn round; they are used only where a road has no other way in. `followed`:
+/// restrictions over ways that one has come over.
+std::vector<Movement> movements_from(const NetworkPlan& plan, const TurnRules& rules,
                                      const std::vector<InnerWay>& inside, const std::vector<JunctionEnd>& ends,
                                      const std::vector<Gate>& in, const std::vector<Gate>& out, std::size_t from,
-                                     std::vector<Movement>& sharp) {
+                                     std::vector<Movement>& sharp, std::set<std::size_t>& followed) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
-  const auto way_of = [&](const JunctionEnd& end) { return plan.roads.paths[end.path].osm_id; };
+  const std::optional<DrivenWay> driven = driven_in(rules, way_to_cut(plan, ends[from]));
+  if (!driven) return movements;
   const std::vector<Arrival> arrivals =
-      arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from]), in[from].pose.direction});
+      arrivals_from(plan, inside, rules, {ends[from].vertex, *driven, in[from].pose.direction});
+  for (const Arrival& arrival : arrivals)
+    for (const FollowedRestriction& f : arrival.driven.followed)
+      if (rules.is_complete(f)) followed.insert(f.restriction);
   for (std::size_t to = 0; to < ends.size(); ++to) {
     bool reached = false, turned = true;
     std::vector<Leg> legs;  // of the first that comes there without turning round
+    const InnerWay way_out = way_to_cut(plan, ends[to]);
     for (const Arrival& arrival : arrivals) {
-      if (arrival.vertex != ends[to].vertex || restrictions.forbid(arrival.vertex, arrival.way, way_of(ends[to])))
+      if (arrival.vertex != ends[to].vertex ||
+          !driven_over(rules, arrival.driven, node_of(plan, arrival.vertex), way_out, true))
         continue;
       const bool round = arrival.turned || (arrival.on && turns_round(arrival.direction, out[to].pose.direction));
       if (!reached || (turned && !round)) legs = arrival.legs;
@@ -711,13 +752,25 @@ double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex
   return median(std::move(radii));
 }
 
+/// Of the junctions of which one was seen, by their final numbers.
+std::map<int, double> seen_kerb_radii_m(const NetworkPlan& plan, const RoadMap& map, std::size_t junctions) {
+  std::map<int, double> radii_m;
+  const std::vector<std::vector<VertexIndex>> vertices = vertices_of_junctions(plan, junctions);
+  for (const roadquery::Junction& junction : map.junctions) {
+    const std::vector<VertexIndex>& here = vertices[as_index(junction.id - map.roads.back().id - 1)];
+    if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) radii_m[junction.id] = radius;
+  }
+  return radii_m;
+}
+
 }  // namespace
 
 JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map,
                             Findings& findings) {
   JunctionParts parts;
   const std::vector<std::vector<InnerWay>> inside = inner_ways(plan, ends.size());
-  const Restrictions restrictions(plan);
+  const TurnRules rules(settled_restrictions(plan.roads, plan.topology));
+  std::set<std::size_t> followed;  // restrictions over ways inside a junction
   for (std::size_t j = 0; j < ends.size(); ++j) {
     std::vector<Gate> in, out;
     for (const JunctionEnd& end : ends[j]) {
@@ -727,7 +780,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     }
     std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
-      std::vector<Movement> on = movements_from(plan, restrictions, inside[j], ends[j], in, out, from, sharp);
+      std::vector<Movement> on = movements_from(plan, rules, inside[j], ends[j], in, out, from, sharp, followed);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[as_index(on[0].to)].lanes.size();
         choose_lanes(on[i], i == 0, on[0].turn_rad, lanes - std::min(lanes, lanes_on), in[from],
@@ -767,12 +820,9 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     }
     map.junctions.push_back(std::move(junction));
   }
+  report_restrictions_over_roads(plan, rules, followed, findings);
   number_junctions_after_roads(map);
-  const std::vector<std::vector<VertexIndex>> vertices = vertices_of_junctions(plan, ends.size());
-  for (const roadquery::Junction& junction : map.junctions) {
-    const std::vector<VertexIndex>& here = vertices[as_index(junction.id - map.roads.back().id - 1)];
-    if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) parts.kerb_radius_m[junction.id] = radius;
-  }
+  parts.kerb_radius_m = seen_kerb_radii_m(plan, map, ends.size());
   return parts;
 }
 
