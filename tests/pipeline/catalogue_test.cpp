@@ -67,7 +67,8 @@ TEST(Catalogue, every_entry_is_complete) {
     }
     // A url with fields of cells has cells, and the other way round.
     const bool has_fields = entry.url.find("{west") != std::string::npos ||
-                            entry.url.find("{sw}") != std::string::npos || entry.url.find("{nw}") != std::string::npos;
+                            entry.url.find("{sw}") != std::string::npos ||
+                            entry.url.find("{nw}") != std::string::npos || entry.url.find("{row}") != std::string::npos;
     EXPECT_EQ(has_fields, entry.cells.has_value());
     if (entry.what == "photo") {
       EXPECT_LE(entry.resolution_m, 1.0);
@@ -275,6 +276,13 @@ TEST(Catalogue, addresses_of_cells_are_those_of_the_servers) {
   EXPECT_THAT(cell_urls(source("at-als-dtm"), around(16.37, 48.21)),
               ElementsAre("https://data.bev.gv.at/download/ALS/DTM/20250915/"
                           "ALS_DTM_CRS3035RES50000mN2800000E4750000.tif"));
+  // Sheets of Topo50 as LINZ names them: those of Auckland, Aoraki and the Three Kings.
+  EXPECT_THAT(cell_urls(source("nz-lidar1"), around(174.76, -36.86, 0.001)), ElementsAre(HasSubstr("/2193/BA32.tiff")));
+  EXPECT_THAT(cell_urls(source("nz-lidar1"), around(170.142, -43.595, 0.001)),
+              ElementsAre(HasSubstr("/2193/BX15.tiff")));
+  EXPECT_THAT(cell_urls(source("nz-lidar1"), around(172.05, -34.15, 0.001)), ElementsAre(HasSubstr("/2193/AS21.tiff")));
+  EXPECT_THAT([] { (void)cell_urls(source("nz-lidar1"), around(174.0, -30.0)); },
+              ThrowsMessage<OptionError>(HasSubstr("no sheet of nz-lidar1 reaches the area")));
   const std::vector<std::string> ahn = cell_urls(source("nl-ahn"), around(5.0, 52.1, 0.002));
   EXPECT_THAT(ahn.front(), HasSubstr("&WIDTH=2000&HEIGHT=2000"));
   for (const std::string& url : ahn) EXPECT_THAT(url, Not(HasSubstr("{")));
@@ -314,6 +322,24 @@ TEST(Catalogue, mistakes_in_its_files_are_told_with_their_line) {
   std::string terrain = photo;
   terrain.replace(terrain.find("'photo'"), 7, "'terrain'");
   EXPECT_THAT(message(area, photo, terrain), HasSubstr("needs vertical_datum and vertical_unit"));
+  terrain.replace(terrain.find("'p'"), 3, "'t'");
+  terrain += "vertical_datum = 'd'\nvertical_unit = 'm'\n[source.cells]\ncrs = 'EPSG:25832'\n";
+  EXPECT_EQ(message(area, photo, terrain + "size = [1000, 2000]\norigin = [500, 0]\nrows = ['A']\n"), "none");
+  EXPECT_THAT(message(area, photo, terrain), HasSubstr("'cells.size' is missing"));
+  EXPECT_THAT(message(area, photo, terrain + "size = 0\n"), HasSubstr("must be greater than 0"));
+  EXPECT_THAT(message(area, photo, terrain + "size = [1, 2, 3]\n"), HasSubstr("must be two numbers, east and north"));
+  EXPECT_THAT(message(area, photo, terrain + "size = 1\norigin = [1]\n"),
+              HasSubstr("must be two numbers, east and north"));
+}
+
+TEST(Catalogue, cells_may_begin_anywhere_and_be_no_squares) {
+  CatalogueSource sheets{.id = "s", .url = "{west}_{south}_{east}_{north}_{width}_{height}", .resolution_m = 10.0};
+  sheets.cells = SourceCells{"EPSG:25832", {2000.0, 3000.0}, {500000.0 - 300.0, 5000000.0 + 100.0}, {}};
+  const CoordinateTransform lonlat_from_utm(Crs{"EPSG:25832"}, Crs{"EPSG:4326"});
+  const Vec2 place = lonlat_from_utm.target_from_source({502000.0, 5004000.0});
+  EXPECT_THAT(cell_urls(sheets, around(place.x, place.y, 1e-4)), ElementsAre("501700_5003100_503700_5006100_200_300"));
+  sheets.cells = SourceCells{"EPSG:4326", {0.5, 0.25}, {}, {}};
+  EXPECT_THAT(cell_urls(sheets, around(8.1, 50.1, 0.01)), ElementsAre("8_50_8.5_50.25_5566_2783"));
 }
 
 TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
@@ -327,9 +353,14 @@ TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
   EXPECT_THAT(new_site(catalogue(), area_at(7.45, 46.95)).sources,
               ElementsAre("ch-swissimage", "osm-overpass", "copernicus-glo30"));
   EXPECT_THAT(new_site(catalogue(), area_at(24.94, 60.17)).sources,
-              ElementsAre("fi-ortokuva", "osm-overpass", "copernicus-glo30"));
+              ElementsAre("fi-ortokuva", "osm-overpass", "fi-dem2"));
+  // Below one with gaps lies the best that has none.
   EXPECT_THAT(new_site(catalogue(), area_at(-79.38, 43.70)).sources,
-              ElementsAre("ca-on-2018", "osm-overpass", "ca-mrdem30"));
+              ElementsAre("ca-on-2018", "osm-overpass", "ca-hrdem1", "ca-mrdem30"));
+  EXPECT_THAT(new_site(catalogue(), area_at(-79.38, 43.70)).text,
+              HasSubstr("dtm = [\"sources/dtm.tif\", \"sources/dtm_below.tif\"]  # best first"));
+  EXPECT_THAT(new_site(catalogue(), area_at(174.76, -36.86)).sources,
+              ElementsAre("nz-linz", "osm-overpass", "nz-lidar1", "copernicus-glo30"));
   EXPECT_THAT(new_site(catalogue(), area_at(151.00, -33.87)).sources,
               ElementsAre("au-nsw-imagery", "osm-overpass", "au-nsw-dem5"));
   // More than Overpass should be asked for.

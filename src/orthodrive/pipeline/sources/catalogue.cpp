@@ -115,16 +115,31 @@ SpeedLawEntry read_speed_law(TomlSection& section) {
   return entry;
 }
 
+void read_pair(TomlSection& section, const char* key, Vec2& pair) {
+  if (!section.has(key)) return;
+  std::vector<double> numbers;
+  section.read(key, numbers);
+  if (numbers.size() != 2) section.fail_at(key, "must be two numbers, east and north");
+  pair = {numbers[0], numbers[1]};
+}
+
 void read_cells(TomlSection& section, CatalogueSource& source) {
   if (!section.find_table("cells")) return;
   TomlSection cells = section.section("cells");
   source.cells.emplace();
-  cells.read("crs", source.cells->crs);
-  cells.read("size", source.cells->size);
-  cells.finish();
   for (const char* key : {"crs", "size"}) cells.require(key);
+  cells.read("crs", source.cells->crs);
+  if (cells.find("size")->is_array()) {
+    read_pair(cells, "size", source.cells->size);
+  } else {
+    cells.read("size", source.cells->size.x);
+    source.cells->size.y = source.cells->size.x;
+  }
+  read_pair(cells, "origin", source.cells->origin);
+  cells.read("rows", source.cells->rows);
+  cells.finish();
   cells.at("crs", [&] { (void)proj_string({source.cells->crs}); });
-  if (!(source.cells->size > 0.0)) cells.fail_at("size", "must be greater than 0");
+  if (!(source.cells->size.x > 0.0 && source.cells->size.y > 0.0)) cells.fail_at("size", "must be greater than 0");
 }
 
 void read_address(TomlSection& section, CatalogueSource& source) {
@@ -179,6 +194,7 @@ CatalogueSource read_source(TomlSection& section, const std::string& what, const
   section.read("vertical_datum", source.vertical_datum);
   section.read_choice("vertical_unit", source.vertical_unit, {"m", "ft", "us-ft"});
   section.read("surface", source.surface);
+  section.read("gaps", source.gaps);
   section.read("automatic", source.automatic);
   section.read("most_km2", source.most_km2);
   section.read("note", source.note);
@@ -225,29 +241,48 @@ std::vector<Vec2> samples_of(const Polygon& lonlat) {
   return samples;
 }
 
-std::string cell_url(const CatalogueSource& source, double size, Vec2 south_west) {
-  const auto [west, south] = south_west;
+/// A cell: how many lie between it and the origin, to the east and to the north.
+struct CellPlace {
+  double column, row;
+};
+
+std::string cell_url(const CatalogueSource& source, const CellPlace& cell, bool in_degrees) {
+  constexpr double metres_per_degree = 111320.0;
+  const SourceCells& cells = *source.cells;
+  const double west = cells.origin.x + cell.column * cells.size.x, south = cells.origin.y + cell.row * cells.size.y;
   const auto corner = [](double lat, double lon, const char* north_south, const char* east_west, const char* between) {
     return fmt::format("{}{:02.0f}{}{}{:03.0f}", north_south[lat < 0.0 ? 1 : 0], std::abs(lat), between,
                        east_west[lon < 0.0 ? 1 : 0], std::abs(lon));
   };
   const auto number = [](double value) { return fmt::format("{:.12g}", value); };
-  const auto pixels = static_cast<int>(std::lround(size / source.resolution_m));
-  const std::pair<const char*, std::string> fields[] = {{"{west}", number(west)},
-                                                        {"{south}", number(south)},
-                                                        {"{east}", number(west + size)},
-                                                        {"{north}", number(south + size)},
-                                                        {"{west_km}", number(west / 1000.0)},
-                                                        {"{south_km}", number(south / 1000.0)},
-                                                        {"{width}", fmt::format("{}", pixels)},
-                                                        {"{height}", fmt::format("{}", pixels)},
-                                                        {"{sw}", corner(south, west, "NS", "EW", "_00_") + "_00"},
-                                                        {"{nw}", corner(south + size, west, "ns", "ew", "")}};
+  const auto pixels = [&](double size) {
+    return fmt::format("{}", std::lround(size * (in_degrees ? metres_per_degree : 1.0) / source.resolution_m));
+  };
+  const auto row_name = static_cast<std::size_t>(std::max(0.0, -1.0 - cell.row));
+  const std::pair<const char*, std::string> fields[] = {
+      {"{west}", number(west)},
+      {"{south}", number(south)},
+      {"{east}", number(west + cells.size.x)},
+      {"{north}", number(south + cells.size.y)},
+      {"{west_km}", number(west / 1000.0)},
+      {"{south_km}", number(south / 1000.0)},
+      {"{width}", pixels(cells.size.x)},
+      {"{height}", pixels(cells.size.y)},
+      {"{sw}", corner(south, west, "NS", "EW", "_00_") + "_00"},
+      {"{nw}", corner(south + cells.size.y, west, "ns", "ew", "")},
+      {"{row}", row_name < cells.rows.size() ? cells.rows[row_name] : ""},
+      {"{column}", fmt::format("{:02.0f}", cell.column)}};
   std::string url = source.url;
   for (const auto& [field, text] : fields)
     for (auto at = url.find(field); at != std::string::npos; at = url.find(field, at + text.size()))
       url.replace(at, std::string_view(field).size(), text);
   return url;
+}
+
+/// Whether the sheets' names reach as far as the cell.
+bool has_name(const SourceCells& cells, const CellPlace& cell) {
+  if (cells.rows.empty()) return true;
+  return cell.row < 0.0 && -cell.row <= static_cast<double>(cells.rows.size()) && cell.column >= 0.0;
 }
 
 }  // namespace
@@ -367,18 +402,23 @@ std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon&
     const Vec2 from = lonlat.outer[i], along = lonlat.outer[(i + 1) % lonlat.outer.size()] - from;
     for (int k = 0; k < 8; ++k) placed.push_back(cells_from_lonlat.target_from_source(from + along * (k / 8.0)));
   }
-  const double size = source.cells->size;
+  const SourceCells& cells = *source.cells;
   // Terrain is read 50 m beyond the area. Cells of degrees are too large to take one more for that.
-  const bool in_degrees = proj_string({source.cells->crs}).find("+proj=longlat") != std::string::npos;
+  const bool in_degrees = proj_string({cells.crs}).find("+proj=longlat") != std::string::npos;
   const Box2 box = bounds_of(placed).grown(in_degrees ? 0.0 : 100.0);
-  const double west = std::floor(box.min_x / size), south = std::floor(box.min_y / size),
-               east = std::ceil(box.max_x / size), north = std::ceil(box.max_y / size);
+  const auto at = [](double place, double origin, double size) { return (place - origin) / size; };
+  const double west = std::floor(at(box.min_x, cells.origin.x, cells.size.x)),
+               south = std::floor(at(box.min_y, cells.origin.y, cells.size.y)),
+               east = std::ceil(at(box.max_x, cells.origin.x, cells.size.x)),
+               north = std::ceil(at(box.max_y, cells.origin.y, cells.size.y));
   if ((east - west) * (north - south) > most_cells)
     throw OptionError(fmt::format("the area needs {:.0f} squares of {}, more than {:.0f}; give a smaller one",
                                   (east - west) * (north - south), source.id, most_cells));
   std::vector<std::string> urls;
   for (double row = south; row < north; ++row)
-    for (double col = west; col < east; ++col) urls.push_back(cell_url(source, size, {col * size, row * size}));
+    for (double column = west; column < east; ++column)
+      if (has_name(cells, {column, row})) urls.push_back(cell_url(source, {column, row}, in_degrees));
+  if (urls.empty()) throw OptionError(fmt::format("no sheet of {} reaches the area; name another source", source.id));
   return urls;
 }
 

@@ -21,10 +21,12 @@ struct CatalogueArea {
   MultiPolygon outline;
 };
 
-/// The squares in which a server keeps its data, or in which it is asked for them.
+/// The rectangles in which a server keeps its data, or in which it is asked for them.
 struct SourceCells {
   std::string crs;
-  double size = 0.0;  ///< edge, in the unit of the CRS; corners are at its multiples
+  Vec2 size;                      ///< width and height, in the unit of the CRS
+  Vec2 origin;                    ///< a corner of a cell, in the unit of the CRS
+  std::vector<std::string> rows;  ///< names of rows, the first one south of the origin; empty: they have none
 };
 
 struct CatalogueSource {
@@ -39,6 +41,7 @@ struct CatalogueSource {
   std::string vertical_datum, vertical_unit;  ///< of terrain
   std::optional<SourceCells> cells;
   bool surface = false;   ///< a surface model: with woods and houses
+  bool gaps = false;      ///< it lacks places within its areas: another one has to lie below it
   bool automatic = true;  ///< whether `orthodrive fetch` can get it; else `note` says how to
   double most_km2 = 0.0;  ///< larger sites should take another source; 0: no limit
   std::string note;       ///< keys, terms, traps
@@ -102,8 +105,9 @@ void check_country(const std::string& id);
 
 /// The addresses of a source for a polygon of degrees: one per cell that overlaps its bounds, south-west first; the url
 /// itself for sources without cells. Fields of the url: {west} {south} {east} {north} (unit of the CRS), {west_km}
-/// {south_km}, {width} {height} (pixels at resolution_m), {sw} ("N48_00_E011_00"), {nw} ("n49w106").
-/// Throws OptionError for more than 10000 cells.
+/// {south_km}, {width} {height} (pixels at resolution_m), {sw} ("N48_00_E011_00"), {nw} ("n49w106"), {row} (its name)
+/// and {column} (cells east of the origin, two digits). Cells of rows without a name are left out.
+/// Throws OptionError for more than 10000 cells, and where no cell is left.
 [[nodiscard]] std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon& lonlat);
 
 }  // namespace orthodrive

@@ -49,6 +49,22 @@ class Chooser {
     return id.empty() ? best(what, option) : named(what, id, option);
   }
 
+  /// Terrain to lie below one that lacks something: the best that has all of the area.
+  [[nodiscard]] Candidate below(const Candidate& above) const {
+    std::vector<Candidate> candidates;
+    for (const CatalogueSource& source : catalogue_.sources) {
+      if (source.what != "terrain" || !source.automatic || source.gaps || &source == above.source) continue;
+      const double coverage = coverage_of(catalogue_, source, lonlat_);
+      if (coverage >= whole) candidates.push_back({&source, coverage});
+    }
+    if (candidates.empty())
+      throw OptionError(
+          fmt::format("{} lacks a part of the area, and the catalogue has no terrain of the world to "
+                      "lie below it; give your own with --dtm-file",
+                      above.source->id));
+    return best_of(candidates);
+  }
+
  private:
   [[nodiscard]] Candidate named(const std::string& what, const std::string& id, const char* option) const {
     std::vector<std::string> known;
@@ -78,6 +94,10 @@ class Chooser {
         by_hand += fmt::format("; {} covers it: {}", source.id, source.note);
     }
     if (candidates.empty()) refuse(what, option, by_hand);
+    return best_of(candidates);
+  }
+
+  [[nodiscard]] static Candidate best_of(const std::vector<Candidate>& candidates) {
     const auto better = [](const Candidate& a, const Candidate& b) {
       // Where none covers all of the area, the one that covers most of it.
       const auto rank = [](const Candidate& c) {
@@ -250,12 +270,11 @@ class SiteWriter {
     if (!options_.dtm_files.empty()) return local("dtm", options_.dtm_files, "Terrain");
     const Candidate best = chooser_.choose("terrain", options_.terrain, "--terrain");
     std::string files = quoted(add(best, "sources/dtm.tif", "Terrain"));
-    if (best.coverage < whole)
-      for (const CatalogueSource& source : catalogue_.sources)
-        if (source.what == "terrain" && source.areas == std::vector<std::string>{"world"}) {
-          files += ", " + quoted(add({&source, 1.0}, "sources/dtm_world.tif", "Terrain"));
-          break;
-        }
+    if (best.coverage < whole || best.source->gaps) {
+      const Candidate below = chooser_.below(best);
+      const bool of_world = below.source->areas == std::vector<std::string>{"world"};
+      files += ", " + quoted(add(below, of_world ? "sources/dtm_world.tif" : "sources/dtm_below.tif", "Terrain"));
+    }
     sources_ += "dtm = [" + files + "]  # best first\n";
   }
   [[nodiscard]] NewSite finish(const std::string& area) && {
