@@ -441,7 +441,7 @@ void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate
 /// The middle of a gate's lane.
 Vec2 middle_of(const Gate& gate, std::size_t lane, DrivingSide driving_side) {
   const double side = driving_side == DrivingSide::left ? 1.0 : -1.0;
-  const double t = gate.inner_t_m + side * (place_of(gate, lane) + 0.5) * gate.lane_width_m;
+  const double t = gate.inner_t_m + side * (lane_from_m(gate, lane) + 0.5 * lane_width_m(gate, lane));
   return gate.pose.p + left_normal(gate.pose.direction) * t;
 }
 

@@ -221,7 +221,7 @@ BuildStage drive_stage(SiteBuild& build) {
   const std::vector<std::string> network =
       site.crg.empty() ? std::vector<std::string>{"roads.xodr"} : std::vector<std::string>{"roads.xodr", "roads_crg"};
   return {.name = "drive",
-          .version = 2,
+          .version = 3,
           .sources = {{"vehicle", {vehicle_file("family"), vehicle_file("sports")}}},
           .options = {{"drive.route", site.route}},
           .reads = network,

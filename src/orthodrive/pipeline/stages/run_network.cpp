@@ -157,7 +157,7 @@ BuildStage network_stage(SiteBuild& build) {
                               .junction_grids = site.junction_grids,
                               .judge = true};
   return {.name = "network",
-          .version = 10,
+          .version = 11,
           .options = {{"name", site.name},
                       {"area.country", site.country},
                       {"refine.driving_side", to_string(site.driving_side)},

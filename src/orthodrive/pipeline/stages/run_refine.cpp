@@ -139,7 +139,7 @@ BuildStage refine_stage(SiteBuild& build) {
                           .roads = build.out_dir / ".orthodrive/refined.gpkg"};
   const RunRefineOptions run{.site = site.frame, .driving_side = site.driving_side};
   return {.name = "refine",
-          .version = 12,
+          .version = 13,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
           .options = options,
           .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
