@@ -150,6 +150,35 @@ TEST(SheetChoice, one_per_place_of_the_offer_that_covers_most) {
                                           area, {"EPSG:32633"}, "photo.tif");
   ASSERT_EQ(equal.sheets.size(), 1U);
   EXPECT_EQ(equal.sheets[0].url, "b");  // the site's
+  // Two zones that meet: what one lacks is added of the other, but not in a format that only a licensed GDAL reads.
+  const SheetChoice zones = choose_sheets({{"west", left, "EPSG:25832", "", "2020", 0},
+                                           {"both", left, "EPSG:25833", "", "2024", 0},
+                                           {"east", right, "EPSG:25833", "", "2022", 0},
+                                           {"ecw", right, "EPSG:25833", "image/x-ecw", "2023", 0}},
+                                          area, {"EPSG:25832"}, "photo.tif");
+  ASSERT_EQ(zones.sheets.size(), 2U);
+  EXPECT_EQ(zones.sheets[0].url, "both");
+  const SheetChoice meeting = choose_sheets({{"west", left, "EPSG:25832", "", "2020", 0},
+                                             {"ecw", right, "EPSG:25833", "image/x-ecw", "2023", 0},
+                                             {"east", right, "EPSG:25833", "", "2022", 0},
+                                             {"nothing new", left, "EPSG:25831", "", "2024", 0}},
+                                            area, {"EPSG:25832"}, "photo.tif");
+  ASSERT_EQ(meeting.sheets.size(), 2U);
+  EXPECT_EQ(meeting.sheets[0].url, "east");  // the newest first
+  EXPECT_EQ(meeting.sheets[1].url, "west");
+  EXPECT_EQ(meeting.other_offers, 2U);
+}
+
+TEST(StacItems, assets_may_be_named_by_a_pattern) {
+  StacItem item{.id = "i"};
+  for (const char* key : {"a_2019_0.5_2056.tif", "a_2019_2_2056.tif", "a_2019_2_2056.xyz.zip", "x*"})
+    item.assets.push_back({key, std::string("h/") + key, "", {}, 0, ""});
+  EXPECT_EQ(chosen_asset(item, "*_2_2056.tif", "u")->key, "a_2019_2_2056.tif");
+  EXPECT_EQ(chosen_asset(item, "a*0.5*", "u")->key, "a_2019_0.5_2056.tif");
+  EXPECT_EQ(chosen_asset(item, "x*", "u")->key, "x*");
+  for (const char* none : {"*_1_2056.tif", "b*", "a_2019", "", "a_2019_2_2056.ti", "*tif.zip"})
+    if (*none) EXPECT_EQ(chosen_asset(item, none, "u"), nullptr) << none;
+  EXPECT_THAT(message_of<InputError>([&] { (void)chosen_asset(item, "*_2_*", "u"); }), HasSubstr("has 2 pictures"));
 }
 
 TEST(SheetChoice, footprints_of_any_shape) {

@@ -47,6 +47,7 @@ FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
                                            {.gsd_m = job.source.resolution_m,
                                             .vertical_unit = job.source.vertical_unit,
                                             .vertical_datum = job.source.vertical_datum,
+                                            .crs_by_default = std::vector(names.size(), job.source.crs),
                                             .attempts = job.options.http.attempts,
                                             .stall_s = job.options.http.stall_s});
   record_raster(job, cut.crs, cut.gsd_m, record, outcome);

@@ -8,6 +8,7 @@
 #include "orthodrive/io/raster/cut_raster.hpp"
 #include "orthodrive/io/raster/sheet_files.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
+#include "orthodrive/remote/url_template.hpp"
 
 namespace orthodrive::remote {
 namespace {
@@ -41,7 +42,20 @@ class SheetStore {
   fs::path folder_;
 };
 
+/// Those that the table lists itself: nothing is known of their places.
+std::vector<Sheet> listed_sheets(const FetchJob& job) {
+  std::vector<Sheet> sheets;
+  for (const std::string& url : job.source.urls) {
+    const std::string address = job.secrets.resolve(url);
+    if (!is_http(address))
+      throw InputError(url, "is no address of http or https; files of this machine are kind raster");
+    add_sheet(sheets, {.url = address}, job.source.to_text);
+  }
+  return sheets;
+}
+
 std::vector<Sheet> sheets_of(const FetchJob& job, const SheetArea& area, const SheetStore& store) {
+  if (!job.source.urls.empty()) return listed_sheets(job);
   switch (job.source.kind) {
     case FetchKind::stac:
       return stac_sheets(job, area);
@@ -93,25 +107,42 @@ std::vector<std::string> rasters_of_sheet(const FetchJob& job, const Sheet& shee
   }
 }
 
-/// GDAL's names of all rasters, those of the newest sheet first.
-std::vector<std::string> fetched_rasters(const FetchJob& job, const SheetChoice& choice, const SheetStore& store,
-                                         FetchOutcome& outcome) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < choice.sheets.size(); ++i) {
+/// GDAL's names of all rasters, those of the newest sheet first, and the CRS of each if it names none.
+struct FetchedRasters {
+  std::vector<std::string> names, crs;
+  std::size_t missing = 0;  ///< sheets that the server does not have
+};
+
+/// What the table lists itself may be squares of a grid, of which a server lacks those beyond its border. An index says
+/// what there is.
+FetchedRasters fetched_rasters(const FetchJob& job, const SheetChoice& choice, const SheetStore& store,
+                               FetchOutcome& outcome) {
+  FetchedRasters all;
+  std::string first_missing;
+  const std::size_t count = choice.sheets.size();
+  for (std::size_t i = 0; i < count; ++i) {
     if (job.monitor)
-      job.monitor->progress(static_cast<double>(i) / static_cast<double>(choice.sheets.size()),
-                            fmt::format("sheet {} of {}", i + 1, choice.sheets.size()));
+      job.monitor->progress(static_cast<double>(i) / static_cast<double>(count),
+                            fmt::format("sheet {} of {}", i + 1, count));
     try {
-      const std::vector<std::string> rasters = rasters_of_sheet(job, choice.sheets[i], store, outcome);
-      names.insert(names.end(), rasters.begin(), rasters.end());
+      const Sheet& sheet = choice.sheets[i];
+      const std::vector<std::string> rasters = rasters_of_sheet(job, sheet, store, outcome);
+      all.names.insert(all.names.end(), rasters.begin(), rasters.end());
+      all.crs.insert(all.crs.end(), rasters.size(), job.source.crs.empty() ? sheet.crs : job.source.crs);
+    } catch (const NotThere& error) {
+      if (job.source.urls.empty() || count == 1)
+        throw Error(fmt::format("{}: sheet {} of {}: {}", job.source.to_text, i + 1, count, error.what()));
+      if (all.missing++ == 0) first_missing = error.what();
     } catch (const Error& error) {
-      throw Error(fmt::format("{}: sheet {} of {}: {}", job.source.to_text, i + 1, choice.sheets.size(), error.what()));
+      throw Error(fmt::format("{}: sheet {} of {}: {}", job.source.to_text, i + 1, count, error.what()));
     }
-    if (names.size() > 2 * most_sheets)
+    if (all.names.size() > 2 * most_sheets)
       throw InputError(job.source.to_text,
                        fmt::format("the sheets hold more than {} rasters; take a smaller area", 2 * most_sheets));
   }
-  return names;
+  if (all.names.empty())
+    throw Error(fmt::format("{}: none of its sheets is there: {}", job.source.to_text, first_missing));
+  return all;
 }
 }  // namespace
 
@@ -130,20 +161,21 @@ FetchOutcome fetch_sheets(const FetchJob& job, SourceRecord& record) {
     return outcome;
   }
   job.info(fmt::format("{}: {}", job.source.to_text, described(choice)));
-  const std::vector<std::string> names = fetched_rasters(job, choice, store, outcome);
+  const FetchedRasters rasters = fetched_rasters(job, choice, store, outcome);
   job.about_to_place();
-  const io::CutRaster cut = io::cut_raster(names, job.site, job.source.to,
+  const io::CutRaster cut = io::cut_raster(rasters.names, job.site, job.source.to,
                                            {.gsd_m = job.source.resolution_m,
                                             .vertical_unit = job.source.vertical_unit,
                                             .vertical_datum = job.source.vertical_datum,
-                                            .crs_by_default = choice.sheets.front().crs,
+                                            .crs_by_default = rasters.crs,
                                             .of_strangers = true,
                                             .attempts = job.options.http.attempts,
                                             .stall_s = job.options.http.stall_s});
   record_raster(job, cut.crs, cut.gsd_m, record, outcome);
-  record.sheets = static_cast<std::int64_t>(choice.sheets.size());
-  outcome.summary = fmt::format("{}; {} x {} pixels of {:.2f} m, {}", described(choice), cut.width, cut.height,
-                                cut.gsd_m, size_text(static_cast<double>(record.bytes)));
+  record.sheets = static_cast<std::int64_t>(choice.sheets.size() - rasters.missing);
+  outcome.summary = fmt::format("{}{}; {} x {} pixels of {:.2f} m, {}", described(choice),
+                                rasters.missing > 0 ? fmt::format(", {} are not on the server", rasters.missing) : "",
+                                cut.width, cut.height, cut.gsd_m, size_text(static_cast<double>(record.bytes)));
   return outcome;
 }
 

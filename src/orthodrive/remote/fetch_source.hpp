@@ -15,9 +15,10 @@ struct FetchSource {
   std::filesystem::path to;       ///< the local file
   std::string to_text;            ///< as the site file has it, for messages
   std::string url;                ///< with {env:NAME} for keys; xyz and tms: a template
-  std::vector<std::string> urls;  ///< of raster and cog, where one is not enough
+  std::vector<std::string> urls;  ///< of raster, cog and sheets, in place of `url`
   std::filesystem::path folder;   ///< of the site file: local paths in `url` are relative to it
   std::string subdomains;         ///< one letter each for {s}
+  std::string crs;                ///< of rasters that name none; empty: not told
   std::string layer;  ///< of stac the asset, of atom words of the dataset, of sheets the property with the address
   std::string style, format, tile_matrix_set, time;
   double resolution_m = 0.5;  ///< wanted edge of a pixel on the ground; of rasters 0 = as it is

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "orthodrive/core/error.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/remote/secrets.hpp"
 
@@ -59,6 +60,11 @@ struct HttpCounts {
   std::int64_t requests = 0, retries = 0, bytes = 0;
 };
 
+/// The server says that it has no such file (404, 410).
+struct NotThere : Error {
+  using Error::Error;
+};
+
 struct HttpFile {
   std::string etag, last_modified;
   std::int64_t bytes = 0, resumed_at = 0;
@@ -83,7 +89,7 @@ class HttpClient {
 
   /// A large file: goes on where an earlier, killed download of the same version stopped (FILE.part and
   /// FILE.part.json), and asks only for news where the file is there (FILE.json holds its version). Throws Error, and
-  /// for a file of more than `most_bytes`.
+  /// for a file of more than `most_bytes`; NotThere for one that the server does not have.
   HttpFile download(const std::string& url, const std::filesystem::path& to, bool refresh,
                     std::int64_t most_bytes = std::int64_t{1} << 40);
 

@@ -244,7 +244,7 @@ Attempt attempt_all(const Download& d) {
     if (attempt.progressed) number = 1;
     const std::string what = fmt::format("{}: {}", d.state.shown(d.url), d.state.shown(attempt.verdict.why));
     const int most = size_of(d.part) > 0 ? options.attempts : std::min(options.attempts, 4);
-    if (attempt.verdict.judgement == Judgement::missing) throw Error(what + " (not there); check the url");
+    if (attempt.verdict.judgement == Judgement::missing) throw NotThere(what + " (not there); check the url");
     if (attempt.verdict.judgement != Judgement::again || number >= most) throw Error(what + "; run it again to go on");
     const double asked_s = attempt.asked_pause_s.value_or(0.0);
     if (asked_s > options.longest_wait_s)

@@ -149,7 +149,8 @@ class StacSearch {
       return;
     }
     add_sheet(sheets_,
-              {sheet_address(job_, keys_, page, asset->href), item.footprint, item.crs, "", item.date, asset->bytes},
+              {sheet_address(job_, keys_, page, asset->href), item.footprint,
+               asset->crs.empty() ? item.crs : asset->crs, "", item.date, asset->bytes},
               shown_);
   }
 

@@ -49,7 +49,12 @@ bool is_same_place(const MultiPolygon& a, const MultiPolygon& b) {
 
 using Offer = std::pair<std::string, std::string>;  // CRS and format
 
-/// The offer that covers most of the area. Formats that only a licensed GDAL reads (ECW, MrSID) come last of equals.
+/// Formats that only a licensed GDAL reads are not.
+bool is_free(const Offer& offer) {
+  return offer.second.find("ecw") == std::string::npos && offer.second.find("sid") == std::string::npos;
+}
+
+/// The offer that covers most of the area. Formats that are not free come last of equals.
 Offer best_offer(const std::vector<Sheet>& sheets, const SheetArea& area, const Crs& site_crs) {
   constexpr double equal = 0.995;
   std::vector<Offer> order;
@@ -60,10 +65,7 @@ Offer best_offer(const std::vector<Sheet>& sheets, const SheetArea& area, const 
     for (Polygon& part : area.part_of(sheet.footprint)) parts[offer].push_back(std::move(part));
     parts[offer];
   }
-  const auto rank = [&](const Offer& offer) {
-    const bool free = offer.second.find("ecw") == std::string::npos && offer.second.find("sid") == std::string::npos;
-    return std::pair(free, offer.first == site_crs.definition);
-  };
+  const auto rank = [&](const Offer& offer) { return std::pair(is_free(offer), offer.first == site_crs.definition); };
   std::stable_sort(order.begin(), order.end(), [&](const Offer& a, const Offer& b) { return rank(a) > rank(b); });
   Offer best = order.front();
   double most_m2 = -1.0;
@@ -74,6 +76,30 @@ Offer best_offer(const std::vector<Sheet>& sheets, const SheetArea& area, const 
   }
   return best;
 }
+/// What the sheets show of the area. In metres.
+class ShownPlaces {
+ public:
+  /// Whether one of them is the same place.
+  [[nodiscard]] bool has(const MultiPolygon& place) const {
+    return std::any_of(places_.begin(), places_.end(), [&](const auto& other) { return is_same_place(place, other); });
+  }
+  /// Whether more than a sliver of it is seen in none of them.
+  [[nodiscard]] bool lacks(const MultiPolygon& place) const {
+    constexpr double sliver = 0.05, least_m2 = 1.0;
+    if (place.empty()) return false;
+    const Box2 box = bounds_of_all(place);
+    std::vector<Polygon> near;
+    for (const MultiPolygon& other : places_)
+      if (!other.empty() && bounds_of_all(other).overlaps(box)) near.insert(near.end(), other.begin(), other.end());
+    const double missing_m2 =
+        near.empty() ? total_m2(place) : total_m2(difference_of(place, union_of(near, overlay_grid_m), overlay_grid_m));
+    return missing_m2 > std::max(least_m2, sliver * total_m2(place));
+  }
+  void add(MultiPolygon place) { places_.push_back(std::move(place)); }
+
+ private:
+  std::vector<MultiPolygon> places_;
+};
 }  // namespace
 
 SheetArea::SheetArea(const SiteFrame& site, const std::string& name) {
@@ -116,22 +142,29 @@ SheetChoice choose_sheets(std::vector<Sheet> sheets, const SheetArea& area, cons
   std::erase_if(sheets, [&](const Sheet& sheet) { return !addresses.insert(sheet.url).second; });
   if (sheets.empty()) return choice;
   const Offer offer = best_offer(sheets, area, site_crs);
-  choice.other_offers = sheets.size();
-  std::erase_if(sheets, [&](const Sheet& sheet) { return Offer{sheet.crs, sheet.type} != offer; });
-  choice.other_offers -= sheets.size();
+  const auto rank = [&](const Sheet& sheet) {
+    const Offer own{sheet.crs, sheet.type};
+    return own == offer ? 0 : is_free(own) || !is_free(offer) ? 1 : 2;
+  };
   std::stable_sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.date > b.date; });
-  std::vector<MultiPolygon> places;
+  std::stable_sort(sheets.begin(), sheets.end(), [&](const Sheet& a, const Sheet& b) { return rank(a) < rank(b); });
+  ShownPlaces shown;
   for (Sheet& sheet : sheets) {
     MultiPolygon place = area.part_of(sheet.footprint);
-    if (std::any_of(places.begin(), places.end(), [&](const auto& other) { return is_same_place(place, other); })) {
+    const int of_offer = rank(sheet);
+    if (of_offer == 0 && shown.has(place)) {
       ++choice.same_place;
-      continue;
+    } else if (of_offer == 2 || (of_offer == 1 && !shown.lacks(place))) {
+      ++choice.other_offers;
+    } else {
+      shown.add(std::move(place));
+      choice.sheets.push_back(std::move(sheet));
+      if (choice.sheets.size() > most_sheets)
+        throw InputError(name, fmt::format("the area needs more than {} sheets; take a smaller area", most_sheets));
     }
-    places.push_back(std::move(place));
-    choice.sheets.push_back(std::move(sheet));
-    if (choice.sheets.size() > most_sheets)
-      throw InputError(name, fmt::format("the area needs more than {} sheets; take a smaller area", most_sheets));
   }
+  std::stable_sort(choice.sheets.begin(), choice.sheets.end(),
+                   [](const Sheet& a, const Sheet& b) { return a.date > b.date; });
   return choice;
 }
 

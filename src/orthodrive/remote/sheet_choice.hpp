@@ -34,11 +34,13 @@ class SheetArea {
 struct SheetChoice {
   std::vector<Sheet> sheets;     ///< the newest first; the first covers the later
   std::size_t same_place = 0;    ///< left out: a newer one, or an earlier of the index, shows the same place
-  std::size_t other_offers = 0;  ///< left out: they are in another CRS or format than those that cover most
+  std::size_t other_offers = 0;  ///< left out: in another CRS or format than those that cover most, they show no more
 };
 
-/// Of sheets that touch the area: one per place, of one CRS and format, those that cover most of it; of equals those in
-/// the CRS of the site, then the first. Throws InputError (of `name`) for more than most_sheets.
+/// Of sheets that touch the area: one per place, of the CRS and format that covers most of it; of equals that in the
+/// CRS of the site, then the first. Where these lack something, sheets of other CRSs and formats (none that only a
+/// licensed GDAL reads) are added: two zones of a country meet in an area. Throws InputError (of `name`) for more than
+/// most_sheets.
 [[nodiscard]] SheetChoice choose_sheets(std::vector<Sheet> sheets, const SheetArea& area, const Crs& site_crs,
                                         const std::string& name);
 

@@ -31,21 +31,22 @@ fs::path placing_mark(const FetchSource& source) {
 std::string request_hash(const FetchSource& s, const SiteFrame& site) {
   json ring = json::array();
   for (const Vec2 p : site.area.outer) ring.push_back({std::llround(p.x * 1000.0), std::llround(p.y * 1000.0)});
-  const json table{name_of(s.kind),
-                   s.url,
-                   s.urls,
-                   s.subdomains,
-                   s.layer,
-                   s.style,
-                   s.format,
-                   s.tile_matrix_set,
-                   s.time,
-                   s.resolution_m,
-                   s.min_zoom,
-                   s.max_zoom,
-                   s.vertical_unit,
-                   site.crs.definition,
-                   ring};
+  json table{name_of(s.kind),
+             s.url,
+             s.urls,
+             s.subdomains,
+             s.layer,
+             s.style,
+             s.format,
+             s.tile_matrix_set,
+             s.time,
+             s.resolution_m,
+             s.min_zoom,
+             s.max_zoom,
+             s.vertical_unit,
+             site.crs.definition,
+             ring};
+  if (!s.crs.empty()) table.push_back(s.crs);
   return hash_bytes(table.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 

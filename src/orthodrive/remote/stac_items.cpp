@@ -84,6 +84,7 @@ MultiPolygon footprint_of_item(const json& item) {
   return footprint;
 }
 
+/// Of the properties of an item, or of an asset.
 std::string crs_of_item(const json& properties) {
   if (const std::string code = string_in(properties, "proj:code"); !code.empty()) return crs_code_of(code);
   const json* epsg = member(properties, "proj:epsg");
@@ -108,7 +109,8 @@ StacItem item_of(const json& node) {
   if (!assets || !assets->is_object()) return item;
   for (const auto& [key, asset] : assets->items()) {
     if (item.assets.size() >= most_assets) break;
-    StacAsset found{key, string_in(asset, "href"), roadquery::lowered(string_in(asset, "type")), {}, 0};
+    StacAsset found{key, string_in(asset, "href"), roadquery::lowered(string_in(asset, "type")), {},
+                    0,   crs_of_item(asset)};
     if (const json* roles = member(asset, "roles"); roles && roles->is_array())
       for (const json& role : *roles)
         if (role.is_string() && found.roles.size() < 100) found.roles.push_back(role.get<std::string>());
@@ -146,6 +148,22 @@ bool is_raster_asset(const StacAsset& asset) {
   if (is("tiff") || is("jp2") || is("jpx") || is("jpeg2000") || asset.type == "application/zip") return true;
   return !is("json") && !is("xml") && !is("text/") && !is("image/png") && !is("image/jpeg") && names_sheet(asset.href);
 }
+/// Whether the name is as the pattern has it, with any characters for each *.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, star = std::string_view::npos, resumed = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++, resumed = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++p, ++n;
+    } else if (star != std::string_view::npos) {
+      p = star + 1, n = ++resumed;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
 }  // namespace
 
 StacPage parse_stac_page(std::string_view text, const std::string& name) {
@@ -168,15 +186,16 @@ StacPage parse_stac_page(std::string_view text, const std::string& name) {
 }
 
 const StacAsset* chosen_asset(const StacItem& item, const std::string& layer, const std::string& name) {
-  std::vector<const StacAsset*> data, rasters;
+  std::vector<const StacAsset*> data, rasters, named;
   for (const StacAsset& asset : item.assets) {
     if (!layer.empty() && asset.key == layer) return &asset;
+    if (!layer.empty() && matches(layer, asset.key)) named.push_back(&asset);
     if (!is_raster_asset(asset)) continue;
     rasters.push_back(&asset);
     if (has_role(asset, "data")) data.push_back(&asset);
   }
-  const std::vector<const StacAsset*>& candidates = data.empty() ? rasters : data;
-  if (!layer.empty() || candidates.empty()) return nullptr;
+  const std::vector<const StacAsset*>& candidates = !layer.empty() ? named : data.empty() ? rasters : data;
+  if (candidates.empty()) return nullptr;
   if (candidates.size() == 1) return candidates.front();
   std::string keys;
   for (std::size_t i = 0; i < std::min<std::size_t>(candidates.size(), 12); ++i)

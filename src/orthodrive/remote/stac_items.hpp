@@ -17,6 +17,7 @@ struct StacAsset {
   std::string key, href, type;
   std::vector<std::string> roles;
   std::int64_t bytes = 0;  ///< 0: not said
+  std::string crs;         ///< as of the item; of one asset alone
 };
 
 struct StacItem {
@@ -43,8 +44,9 @@ struct StacPage {
 /// what is no such answer: a page of HTML, truncated JSON, an error of the server (with its text).
 [[nodiscard]] StacPage parse_stac_page(std::string_view json, const std::string& name);
 
-/// The asset with the picture: the one called `layer`, else the one with the role "data" that is a raster, else the
-/// only raster. None where the item lacks it. Throws InputError that begins with `name` where several could be meant.
+/// The asset with the picture: the one called `layer`, in which * stands for any characters, else the one with the role
+/// "data" that is a raster, else the only raster. None where the item lacks it. Throws InputError that begins with
+/// `name` where several could be meant.
 [[nodiscard]] const StacAsset* chosen_asset(const StacItem& item, const std::string& layer, const std::string& name);
 
 /// JSON of two objects, as a link with "merge" asks: members of the second replace those of the first.

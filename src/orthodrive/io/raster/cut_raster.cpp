@@ -9,6 +9,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/raster/join_rasters.hpp"
+#include "orthodrive/io/raster/raster_layers.hpp"
 #include "orthodrive/io/raster/raster_support.hpp"
 
 namespace orthodrive::io {
@@ -19,20 +20,9 @@ namespace fs = std::filesystem;
 PixelBox window_of(const Georeference& g, GDALDataset& raster, const SiteFrame& site, double margin_m,
                    const std::string& name) {
   if (g.c[2] != 0.0 || g.c[4] != 0.0) throw InputError(name, "lies turned; warp it first: gdalwarp IN OUT.tif");
-  const OGRSpatialReference from = spatial_reference(site.crs);
-  GdalErrors errors;
-  const std::unique_ptr<OGRCoordinateTransformation> transform(OGRCreateCoordinateTransformation(&from, &g.reference));
-  const Box2 box = bounds_of(site.area.outer).grown(margin_m);
-  double x[2] = {1e300, -1e300}, y[2] = {1e300, -1e300};
-  constexpr int steps = 16;
-  for (int i = 0; i <= steps; ++i)
-    for (int j = 0; j <= steps; ++j) {
-      double px = box.min_x + box.width() * i / steps, py = box.min_y + box.height() * j / steps;
-      if (!transform || !transform->Transform(1, &px, &py)) continue;
-      x[0] = std::min(x[0], px), x[1] = std::max(x[1], px), y[0] = std::min(y[0], py), y[1] = std::max(y[1], py);
-    }
-  const double columns[2] = {(x[0] - g.c[0]) / g.c[1], (x[1] - g.c[0]) / g.c[1]},
-               rows[2] = {(y[1] - g.c[3]) / g.c[5], (y[0] - g.c[3]) / g.c[5]};
+  const Box2 box = box_in_crs(site, margin_m, g.reference);
+  const double columns[2] = {(box.min_x - g.c[0]) / g.c[1], (box.max_x - g.c[0]) / g.c[1]},
+               rows[2] = {(box.max_y - g.c[3]) / g.c[5], (box.min_y - g.c[3]) / g.c[5]};
   const auto limited = [](double value, int most) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
   };
@@ -61,17 +51,6 @@ std::vector<std::string> band_arguments(GDALDataset& raster) {
   return arguments;
 }
 
-/// As many as the tiles of a service may have.
-void require_possible_size(const std::string& name, const PixelBox& window, double gsd_m, double coarser) {
-  constexpr double most_pixels = 2e6 * 256 * 256;
-  const double pixels = static_cast<double>(window.width) * window.height / (coarser * coarser);
-  if (pixels > most_pixels)
-    throw InputError(
-        name, fmt::format("has {:.0f} thousand million pixels in the area, most are {:.0f}; say "
-                          "resolution_m = {:.2g} or take a smaller area",
-                          pixels / 1e9, most_pixels / 1e9, 1.1 * gsd_m * coarser * std::sqrt(pixels / most_pixels)));
-}
-
 /// What GDAL does with servers, for this thread. Files of this machine may have others beside them (.tfw, .prj).
 struct HttpManners {
   HttpManners(const CutRasterOptions& o, bool of_server)
@@ -94,7 +73,7 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
                      const CutRasterOptions& options) {
   start_gdal();
   const HttpManners manners(options, std::any_of(names.begin(), names.end(), is_on_server));
-  JoinedRasters all = join_rasters(names, options);
+  JoinedRasters all = join_rasters(names, site, to, options);
   const Georeference g = georeference_of(names.front(), all.raster());
   const PixelBox window = window_of(g, all.raster(), site, options.margin_m, names.front());
   all.mark_holes(names, window);
@@ -109,12 +88,14 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
     arguments.insert(arguments.end(), {"-r", "average", "-outsize",
                                        fmt::format("{:.0f}", std::max(1.0, std::round(window.width / coarser))),
                                        fmt::format("{:.0f}", std::max(1.0, std::round(window.height / coarser)))});
-  require_possible_size(names.front(), window, gsd_m, coarser);
+  require_possible_pixels(names.front(), static_cast<double>(window.width) * window.height / (coarser * coarser),
+                          gsd_m * coarser);
   DatasetPtr part = translate_to_vrt(raster, arguments);
   if (!options.vertical_unit.empty())
     for (int b = 1; b <= part->GetRasterCount(); ++b)
       part->GetRasterBand(b)->SetUnitType(options.vertical_unit.c_str());
-  if (!options.vertical_datum.empty()) part->SetMetadataItem(vertical_datum_item, options.vertical_datum.c_str());
+  const std::string& datum = options.vertical_datum.empty() ? all.vertical_datum : options.vertical_datum;
+  if (!datum.empty()) part->SetMetadataItem(vertical_datum_item, datum.c_str());
   int has_nodata = 0;
   (void)part->GetRasterBand(1)->GetNoDataValue(&has_nodata);
   try {

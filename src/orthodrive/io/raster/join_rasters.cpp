@@ -1,89 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/raster/join_rasters.hpp"
 
-#include <fmt/format.h>
-#include <gdal_utils.h>
-
 #include <algorithm>
 
-#include "orthodrive/core/error.hpp"
-#include "orthodrive/core/printable.hpp"
-#include "orthodrive/core/stop.hpp"
 #include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/io/raster/raster_layers.hpp"
 
 namespace orthodrive::io {
 
-bool is_on_server(const std::string& name) { return name.starts_with("http://") || name.starts_with("https://"); }
-
-DatasetPtr open_raster(const std::string& name, bool of_strangers) {
-  GdalErrors errors;
-  GdalOptions drivers(is_on_server(name) || of_strangers ? raster_drivers_for_strangers() : std::vector<std::string>{});
-  const std::string path = is_on_server(name) ? "/vsicurl/" + name : name;
-  DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
-                                       is_on_server(name) || of_strangers ? drivers.get() : nullptr));
-  if (!dataset)
-    throw InputError(name, fmt::format("cannot be read as a raster{}; check the url",
-                                       errors.any() ? " (" + printable(errors.text()) + ")" : ""));
-  if (of_strangers && !is_on_server(name)) require_plausible_blocks(name, *dataset);
-  return dataset;
-}
-
-bool is_photo(GDALDataset& raster) {
-  return raster.GetRasterBand(1)->GetRasterDataType() == GDT_Byte && raster.GetRasterCount() >= 3;
-}
-
 namespace {
-/// As gdalbuildvrt makes it. Names are in the order of precedence.
-DatasetPtr built_vrt(const std::vector<std::string>& names, const std::vector<DatasetPtr>& sources,
-                     const std::vector<std::string>& extra) {
-  std::vector<GDALDatasetH> handles;
-  std::vector<const char*> paths;
-  for (std::size_t i = names.size(); i-- > 0;)  // in a virtual raster the last lies on top
-    if (sources.size() == names.size())
-      handles.push_back(GDALDataset::ToHandle(sources[i].get()));
-    else
-      paths.push_back(names[i].c_str());
-  GdalOptions arguments(extra);
-  const std::unique_ptr<GDALBuildVRTOptions, void (*)(GDALBuildVRTOptions*)> options(
-      GDALBuildVRTOptionsNew(arguments.get(), nullptr), GDALBuildVRTOptionsFree);
-  GdalErrors errors;
-  int failed = 0;
-  DatasetPtr result(GDALDataset::FromHandle(
-      GDALBuildVRT("", static_cast<int>(names.size()), handles.empty() ? nullptr : handles.data(),
-                   handles.empty() ? paths.data() : nullptr, options.get(), &failed)));
-  if (!result || errors.any())
-    throw InputError(names.front(), fmt::format("cannot be joined with the others ({})", printable(errors.text())));
-  return result;
-}
-
 Polygon rectangle(double left, double top, double right, double bottom) {
   return {{{left, top}, {right, top}, {right, bottom}, {left, bottom}}, {}};
 }
 }  // namespace
 
-JoinedRasters join_rasters(const std::vector<std::string>& names, const CutRasterOptions& options) {
+JoinedRasters join_rasters(const std::vector<std::string>& names, const SiteFrame& site,
+                           const std::filesystem::path& to, const CutRasterOptions& options) {
   JoinedRasters all;
-  const bool keep_open = names.size() == 1 || std::any_of(names.begin(), names.end(), is_on_server);
-  DatasetPtr first;
-  for (const std::string& name : names) {
-    throw_if_stopped();
-    DatasetPtr source = open_raster(name, options.of_strangers);
-    const OGRSpatialReference* reference = source->GetSpatialRef();
-    const OGRSpatialReference* of_first = first                  ? first->GetSpatialRef()
-                                          : !all.sources.empty() ? all.sources.front()->GetSpatialRef()
-                                                                 : reference;
-    const bool nameless = !reference && !of_first && !options.crs_by_default.empty();
-    if (names.size() > 1 && !nameless && (!reference || !of_first || !of_first->IsSame(reference)))
-      throw InputError(name, fmt::format("has another CRS than {}; give it a [[fetch]] of its own", names.front()));
-    if (nameless) all.vrt_options = {"-a_srs", options.crs_by_default};
-    double c[6];
-    if (source->GetGeoTransform(c) == CE_None)
-      all.outlines.push_back(
-          rectangle(c[0], c[3], c[0] + c[1] * source->GetRasterXSize(), c[3] + c[5] * source->GetRasterYSize()));
-    if (keep_open)
-      all.sources.push_back(std::move(source));
-    else if (!first)
-      first = std::move(source);
+  std::vector<OpenedRaster> rasters = open_all(names, options);
+  const OpenedRaster& first = rasters.front();
+  const bool fit = rasters.size() == 1 || std::all_of(rasters.begin(), rasters.end(),
+                                                      [&](const auto& r) { return fit_on_one_grid(first, r); });
+  // With and without heights, with and without a name: on the map it is the same CRS.
+  const bool differ = std::any_of(rasters.begin(), rasters.end(), [&](const OpenedRaster& r) {
+    return r.compound != first.compound || (!r.names_crs && !r.horizontal.IsEmpty());
+  });
+  if (differ || !fit)
+    for (const OpenedRaster& raster : rasters)
+      if (all.vertical_datum.empty()) all.vertical_datum = raster.vertical_datum;
+  if (!fit) {
+    DrawnRaster drawn = draw_rasters(rasters, site, to, options);
+    all.drawn = std::move(drawn.file), all.mosaic = std::move(drawn.raster);
+    return all;
+  }
+  if (differ) all.vrt_options = {"-a_srs", wkt_of(first.horizontal), "-allow_projection_difference"};
+  std::vector<const OpenedRaster*> members;
+  for (const OpenedRaster& r : rasters) members.push_back(&r);
+  const std::vector<std::string> nodata = nodata_for_all(members);
+  all.vrt_options.insert(all.vrt_options.end(), nodata.begin(), nodata.end());
+  for (OpenedRaster& r : rasters) {
+    if (r.has_place)
+      all.outlines.push_back(rectangle(r.c[0], r.c[3], r.c[0] + r.c[1] * r.width, r.c[3] + r.c[5] * r.height));
+    if (r.dataset) all.sources.push_back(std::move(r.dataset));
   }
   if (names.size() > 1 || !all.vrt_options.empty()) all.mosaic = built_vrt(names, all.sources, all.vrt_options);
   return all;

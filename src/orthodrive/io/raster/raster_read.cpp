@@ -31,8 +31,8 @@ constexpr float no_height = std::numeric_limits<float>::quiet_NaN();
 void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments,
           int threads) {
   // The memory limit decides how GDAL cuts the work, the thread count does not: same bytes for any thread count.
-  // No overviews: they are a second, blurred photo.
-  for (const char* argument : {"-wm", "64", "-ovr", "NONE", "-wo"}) arguments.emplace_back(argument);
+  // No overviews: they are a second, blurred photo. Heights stay as they are, whatever datum a CRS names beside.
+  for (const char* argument : {"-novshift", "-wm", "64", "-ovr", "NONE", "-wo"}) arguments.emplace_back(argument);
   arguments.push_back(fmt::format("NUM_THREADS={}", worker_count(threads)));
   GdalOptions list(arguments);
   GdalErrors errors;

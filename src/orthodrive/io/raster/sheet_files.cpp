@@ -8,7 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/io/raster/join_rasters.hpp"
+#include "orthodrive/io/raster/opened_rasters.hpp"
 #include "orthodrive/io/support/zip_entries.hpp"
 #include "roadquery/text.hpp"
 
@@ -39,7 +39,9 @@ std::vector<std::string> rasters_in(const std::filesystem::path& file, const std
   start_gdal();
   const ScopedGdalOption with_neighbours("GDAL_DISABLE_READDIR_ON_OPEN", "FALSE");
   std::vector<std::string> candidates, placed;
-  if (!is_zip(file)) {
+  if (is_gzip(file)) {
+    candidates.push_back("/vsigzip/" + std::filesystem::absolute(file).string());
+  } else if (!is_zip(file)) {
     candidates.push_back(file.string());
   } else {
     const std::vector<std::string> entries = zip_entries(file, shown);

@@ -24,6 +24,12 @@ bool is_zip(const std::filesystem::path& file) {
   return in.read(start, 4) && std::string_view(start, 4) == "PK\x03\x04";
 }
 
+bool is_gzip(const std::filesystem::path& file) {
+  char start[3] = {};
+  std::ifstream in(file, std::ios::binary);
+  return in.read(start, 3) && std::string_view(start, 3) == "\x1f\x8b\x08";
+}
+
 std::vector<std::string> zip_entries(const std::filesystem::path& file, const std::string& shown) {
   constexpr std::size_t most_entries = 10000;
   constexpr double most_bytes = 16e9;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "orthodrive/geo/crs.hpp"
 #include "orthodrive/pipeline/files/toml_section.hpp"
 
 namespace orthodrive {
@@ -26,8 +27,9 @@ FetchSource read_table(TomlSection& section, const std::filesystem::path& folder
   source.folder = folder, source.to = (folder / source.to_text).lexically_normal();
   if (source.url.empty() && source.urls.empty()) section.fail_here("'url' is missing here");
   const bool rasters = remote::is_raster(source.kind);
-  if (!source.urls.empty() && !(rasters && !remote::is_in_sheets(source.kind) && source.url.empty()))
-    section.fail_here("'urls' is for kind raster and cog, in place of 'url'");
+  const bool listed = rasters && source.kind != FetchKind::stac && source.kind != FetchKind::atom;
+  if (!source.urls.empty() && !(listed && source.url.empty()))
+    section.fail_here("'urls' is for kind raster, cog and sheets, in place of 'url'");
   source.resolution_m = rasters ? 0.0 : source.resolution_m;
   section.read("resolution_m", source.resolution_m);
   if (!(source.resolution_m >= 0.001 || (rasters && source.resolution_m == 0.0)) || source.resolution_m > 10000.0)
@@ -40,6 +42,9 @@ FetchSource read_table(TomlSection& section, const std::filesystem::path& folder
   section.read("format", source.format), section.read("tile_matrix_set", source.tile_matrix_set),
       section.read("time", source.time);
   section.read("licence", source.licence), section.read("attribution", source.attribution);
+  section.read("crs", source.crs);
+  if (!source.crs.empty() && !rasters) section.fail_at("crs", "is for kinds that become a GeoTIFF of rasters");
+  if (!source.crs.empty()) section.at("crs", [&] { (void)proj_string({source.crs}); });
   section.read("vertical_datum", source.vertical_datum), section.read("vertical_unit", source.vertical_unit);
   if ((source.kind == FetchKind::wmts || source.kind == FetchKind::wms) && source.layer.empty())
     section.fail_here(fmt::format("'layer' is missing here, kind {} needs it", kind));
