@@ -283,6 +283,10 @@ TEST(Catalogue, addresses_of_cells_are_those_of_the_servers) {
   EXPECT_THAT(cell_urls(source("nz-lidar1"), around(172.05, -34.15, 0.001)), ElementsAre(HasSubstr("/2193/AS21.tiff")));
   EXPECT_THAT([] { (void)cell_urls(source("nz-lidar1"), around(174.0, -30.0)); },
               ThrowsMessage<OptionError>(HasSubstr("no sheet of nz-lidar1 reaches the area")));
+  EXPECT_THAT(cell_urls(source("de-bw-dgm1"), around(9.22, 48.76, 0.001)),  // as a public test has it
+              ElementsAre("https://opengeodata.lgl-bw.de/data/dgm/dgm1_32_515_5400_2_bw.zip"));
+  EXPECT_THAT(cell_urls(source("de-sn-dgm1"), around(13.74, 51.045, 0.0005)),
+              ElementsAre(HasSubstr("/dgm1_33410_5654_2_sn_tiff.zip")));
   const std::vector<std::string> ahn = cell_urls(source("nl-ahn"), around(5.0, 52.1, 0.002));
   EXPECT_THAT(ahn.front(), HasSubstr("&WIDTH=2000&HEIGHT=2000"));
   for (const std::string& url : ahn) EXPECT_THAT(url, Not(HasSubstr("{")));
@@ -349,9 +353,11 @@ TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
               ElementsAre("de-by-dop20", "osm-overpass", "de-by-dgm1"));
   EXPECT_THAT(new_site(catalogue(), area_at(-105.2, 40.0)).sources,
               ElementsAre("us-naip", "osm-overpass", "us-3dep-1m"));
-  // Where the national model has to be fetched by hand, the world's goes in.
   EXPECT_THAT(new_site(catalogue(), area_at(7.45, 46.95)).sources,
-              ElementsAre("ch-swissimage", "osm-overpass", "copernicus-glo30"));
+              ElementsAre("ch-swissimage", "osm-overpass", "ch-swissalti3d"));
+  // Where the national model has to be fetched by hand, the world's goes in.
+  EXPECT_THAT(new_site(catalogue(), area_at(19.15, 48.74)).sources,
+              ElementsAre("sk-zbgis", "osm-overpass", "copernicus-glo30"));
   EXPECT_THAT(new_site(catalogue(), area_at(24.94, 60.17)).sources,
               ElementsAre("fi-ortokuva", "osm-overpass", "fi-dem2"));
   // Below one with gaps lies the best that has none.
@@ -363,6 +369,9 @@ TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
               ElementsAre("nz-linz", "osm-overpass", "nz-lidar1", "copernicus-glo30"));
   EXPECT_THAT(new_site(catalogue(), area_at(151.00, -33.87)).sources,
               ElementsAre("au-nsw-imagery", "osm-overpass", "au-nsw-dem5"));
+  // Near a border the country's own comes before what a neighbour's outline seems to cover, however fine that is.
+  EXPECT_THAT(new_site(catalogue(), area_at(9.17, 47.675, 0.005)).sources,
+              ElementsAre("de-bw-dop20", "osm-overpass", "de-bw-dgm1"));
   // More than Overpass should be asked for.
   EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.44, 0.13)).sources,
               ElementsAre("de-by-dop20", "osm-geofabrik", "de-by-dgm1"));
@@ -387,6 +396,21 @@ TEST(NewSite, what_it_writes_is_a_site_file_with_a_fetch_table_a_source) {
                                HasSubstr("to = \"sources/roads.osm\""), HasSubstr("resolution_m = 0.2\n")));
   EXPECT_THAT(new_site(catalogue(), area_at(11.58, 48.44, 0.13)).text,
               HasSubstr("url = \"https://download.geofabrik.de/europe/germany/bayern-latest.osm.pbf\""));
+}
+
+TEST(NewSite, sheets_of_squares_become_a_list_and_an_index_stays_one) {
+  const std::string dresden = new_site(catalogue(), area_at(13.74, 51.05)).text;
+  EXPECT_THAT(dresden, AllOf(HasSubstr("kind = \"sheets\"\nurls = [\n"), HasSubstr("crs = \"EPSG:25833\"\n")));
+  NewSiteOptions hannover = area_at(9.73, 52.37);
+  hannover.photos = {"de-ni-dop20-sheets"};
+  EXPECT_THAT(new_site(catalogue(), hannover).text, HasSubstr("kind = \"sheets\"\nurl = \"https://arcgis-geojson"));
+  const Scratch scratch;
+  write_bytes(scratch / "here.toml", dresden);
+  const Site site = read_site(scratch / "here.toml");
+  const auto terrain = std::ranges::find(site.fetch, scratch / "sources/dtm.tif", &remote::FetchSource::to);
+  ASSERT_NE(terrain, site.fetch.end());
+  EXPECT_EQ(terrain->crs, "EPSG:25833");
+  EXPECT_FALSE(terrain->urls.empty());
 }
 
 TEST(NewSite, a_polygon_and_odd_names_survive_writing_and_reading) {
@@ -489,9 +513,6 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
                     HasSubstr("--photo-file")));
   EXPECT_THAT(message(area_at(50.09, 14.42)),
               HasSubstr("with longitude first it would be --bbox 14.41,50.08,14.43,50.1, where cz-ortofoto is"));
-  EXPECT_THAT(message(area_at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
-  EXPECT_THAT(message(area_at(12.57, 55.68)),
-              AllOf(HasSubstr("dk-geodanmark covers it: Needs a free account"), HasSubstr("--photo dk-geodanmark")));
   EXPECT_THAT(message(area_at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
   NewSiteOptions options = area_at(14.42, 50.09);
   options.photos = {"cz-ortfoto"};
@@ -501,11 +522,17 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
   EXPECT_THAT(message(options), HasSubstr("--photo at-basemap: it lies elsewhere (AT)"));
   options.photos = {"copernicus-glo30"};
   EXPECT_THAT(message(options), HasSubstr("no such source"));
-  // A source that has to be fetched by hand can be named: the site file says how.
+  // A source that has to be fetched by hand can be named, and is taken where there is no other: the site file says how.
   NewSiteOptions swedish = area_at(18.07, 59.33);
   swedish.photos = {"se-ortofoto"};
   const NewSite made = new_site(catalogue(), swedish);
   EXPECT_EQ(made.findings.front().code, "new.by_hand");
+  for (const auto& [lon, lat, said] : {std::tuple{18.07, 59.33, "se-ortofoto cannot be fetched: Needs an account"},
+                                       {12.57, 55.68, "dk-geodanmark cannot be fetched: Needs a free account"}}) {
+    const NewSite unnamed = new_site(catalogue(), area_at(lon, lat));
+    EXPECT_EQ(unnamed.findings.front().code, "new.by_hand");
+    EXPECT_THAT(unnamed.findings.front().message, HasSubstr(said));
+  }
 }
 
 TEST(NewSite, keys_of_users_stay_names_in_the_site_file) {

@@ -145,6 +145,8 @@ void read_cells(TomlSection& section, CatalogueSource& source) {
 void read_address(TomlSection& section, CatalogueSource& source) {
   section.read_choice("kind", source.kind, kinds);
   section.read("url", source.url);
+  section.read("crs", source.crs);
+  if (!source.crs.empty()) section.at("crs", [&] { (void)proj_string({source.crs}); });
   section.read("layer", source.layer);
   section.read("style", source.style);
   section.read("format", source.format);

@@ -34,7 +34,7 @@ struct CatalogueSource {
   std::string what;                ///< photo | terrain | osm
   std::vector<std::string> areas;  ///< ids of areas, or "world"
   /// As in a [[fetch]] table. The url may hold fields of cells: cell_urls.
-  std::string kind, url, layer, style, format, tile_matrix_set, time, subdomains;
+  std::string kind, url, crs, layer, style, format, tile_matrix_set, time, subdomains;
   std::optional<int> min_zoom, max_zoom;
   double resolution_m = 0.0;  ///< of the data, m; 0 for OSM
   std::string licence, licence_url, attribution;

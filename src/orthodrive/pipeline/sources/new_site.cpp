@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "orthodrive/core/closest_word.hpp"
@@ -41,8 +42,9 @@ struct Candidate {
 
 class Chooser {
  public:
-  Chooser(const Catalogue& catalogue, const Polygon& lonlat, double area_km2)
-      : catalogue_(catalogue), lonlat_(lonlat), area_km2_(area_km2) {}
+  /// `country`: that of the area's middle; empty: none.
+  Chooser(const Catalogue& catalogue, const Polygon& lonlat, double area_km2, std::string country)
+      : catalogue_(catalogue), lonlat_(lonlat), area_km2_(area_km2), country_(std::move(country)) {}
 
   /// By id, or the best; throws OptionError when there is none.
   [[nodiscard]] Candidate choose(const std::string& what, const std::string& id, const char* option) const {
@@ -82,34 +84,33 @@ class Chooser {
   }
 
   [[nodiscard]] Candidate best(const std::string& what, const char* option) const {
-    std::vector<Candidate> candidates;
-    std::string by_hand;
+    std::vector<Candidate> candidates, by_hand;
     for (const CatalogueSource& source : catalogue_.sources) {
       if (source.what != what || (source.most_km2 > 0.0 && area_km2_ > source.most_km2)) continue;
       const double coverage = coverage_of(catalogue_, source, lonlat_);
-      if (coverage == 0.0) continue;
-      if (source.automatic)
-        candidates.push_back({&source, coverage});
-      else
-        by_hand += fmt::format("; {} covers it: {}", source.id, source.note);
+      if (coverage > 0.0) (source.automatic ? candidates : by_hand).push_back({&source, coverage});
     }
-    if (candidates.empty()) refuse(what, option, by_hand);
-    return best_of(candidates);
+    if (candidates.empty() && by_hand.empty()) refuse(what, option);
+    return best_of(candidates.empty() ? by_hand : candidates);
   }
 
-  [[nodiscard]] static Candidate best_of(const std::vector<Candidate>& candidates) {
-    const auto better = [](const Candidate& a, const Candidate& b) {
-      // Where none covers all of the area, the one that covers most of it.
-      const auto rank = [](const Candidate& c) {
+  [[nodiscard]] Candidate best_of(const std::vector<Candidate>& candidates) const {
+    const auto better = [this](const Candidate& a, const Candidate& b) {
+      // Where none covers all of the area, the one that covers most of it. Outlines reach over the border: what a
+      // neighbour seems to cover may not be there.
+      const auto rank = [this](const Candidate& c) {
         const double missing = c.coverage < whole ? 1.0 - c.coverage : 0.0;
-        return std::tuple(c.source->surface, missing, c.source->resolution_m);
+        const bool at_home = std::ranges::any_of(c.source->areas, [this](const std::string& id) {
+          return id == "world" || id.substr(0, id.find('-')) == country_;
+        });
+        return std::tuple(c.source->surface, missing, !at_home, c.source->resolution_m);
       };
       return rank(a) < rank(b);
     };
     return *std::min_element(candidates.begin(), candidates.end(), better);
   }
 
-  [[noreturn]] void refuse(const std::string& what, const char* option, const std::string& by_hand) const {
+  [[noreturn]] void refuse(const std::string& what, const char* option) const {
     std::set<std::string> places;
     for (const CatalogueSource& source : catalogue_.sources)
       if (source.what == what)
@@ -117,11 +118,11 @@ class Chooser {
           for (const CatalogueArea& area : catalogue_.areas)
             if (area.id == id) places.insert(area.name);
     const Box2 box = bounds_of(lonlat_.outer);
-    throw OptionError(fmt::format(
-        "no {} of the catalogue can be fetched for {:.5f}, {:.5f} (longitude, latitude){}{}; there is {} of: "
-        "{}; give your own with {}-file",
-        what, 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), by_hand, swapped_hint(what, box),
-        what == "photo" ? "a photo" : what, fmt::join(places, ", "), option));
+    throw OptionError(
+        fmt::format("no {} of the catalogue can be fetched for {:.5f}, {:.5f} (longitude, latitude){}; there is {} of: "
+                    "{}; give your own with {}-file",
+                    what, 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), swapped_hint(what, box),
+                    what == "photo" ? "a photo" : what, fmt::join(places, ", "), option));
   }
 
   /// People write latitude first.
@@ -140,6 +141,7 @@ class Chooser {
   const Catalogue& catalogue_;
   const Polygon& lonlat_;
   double area_km2_;
+  std::string country_;
 };
 
 void check_size(double area_m2) {
@@ -192,7 +194,7 @@ struct FetchText {
 std::string urls_text(const CatalogueSource& source, const Polygon& lonlat) {
   if (!source.cells) return "url = " + quoted(source.url) + "\n";
   const std::vector<std::string> urls = cell_urls(source, lonlat);
-  if (urls.size() == 1) return "url = " + quoted(urls.front()) + "\n";
+  if (urls.size() == 1 && source.kind != "sheets") return "url = " + quoted(urls.front()) + "\n";
   std::string text = "urls = [\n";
   for (const std::string& url : urls) text += "  " + quoted(url) + ",\n";
   return text + "]\n";
@@ -207,10 +209,13 @@ FetchText fetch_text(const CatalogueSource& source, const std::string& to, const
   if (!source.note.empty()) text.table += "# " + source.note + "\n";
   text.table += fmt::format("[[fetch]]\nto = {}\nkind = {}\n", quoted(to), quoted(source.kind));
   text.table += urls_text(source, lonlat);
-  const std::pair<const char*, const std::string&> texts[] = {
-      {"layer", source.layer},   {"style", source.style},
-      {"format", source.format}, {"tile_matrix_set", source.tile_matrix_set},
-      {"time", source.time},     {"subdomains", source.subdomains}};
+  const std::pair<const char*, const std::string&> texts[] = {{"crs", source.crs},
+                                                              {"layer", source.layer},
+                                                              {"style", source.style},
+                                                              {"format", source.format},
+                                                              {"tile_matrix_set", source.tile_matrix_set},
+                                                              {"time", source.time},
+                                                              {"subdomains", source.subdomains}};
   for (const auto& [key, value] : texts)
     if (!value.empty()) text.table += fmt::format("{} = {}\n", key, quoted(value));
   if (source.resolution_m > 0.0)
@@ -224,6 +229,13 @@ FetchText fetch_text(const CatalogueSource& source, const std::string& to, const
   return text;
 }
 
+/// Where the middle of a box of degrees lies.
+std::optional<Country> country_in(const Box2& box) {
+  const std::vector<Country> countries = read_countries(catalogue_folder());
+  const Country* country = country_at(countries, {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
+  return country ? std::optional(*country) : std::nullopt;
+}
+
 /// Collects what goes into the sections of the site file.
 class SiteWriter {
  public:
@@ -231,7 +243,8 @@ class SiteWriter {
       : catalogue_(catalogue),
         options_(options),
         frame_(frame),
-        chooser_(catalogue, options.area, area_m2(frame.area) / 1e6) {}
+        country_(country_in(bounds_of(options.area.outer))),
+        chooser_(catalogue, options.area, area_m2(frame.area) / 1e6, country_ ? country_->id : "") {}
 
   void add_photo() {
     if (!options_.photo_files.empty()) return local("photo", options_.photo_files, "Orthophoto");
@@ -293,12 +306,9 @@ class SiteWriter {
  private:
   /// Where it is not the right, the file says so: whoever reads it need not know the catalogue.
   [[nodiscard]] std::string driving_side() const {
-    const std::vector<Country> countries = read_countries(catalogue_folder());
-    const Box2 box = bounds_of(options_.area.outer);
-    const Country* country = country_at(countries, {0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
-    if (!country || country->driving_side == DrivingSide::right) return {};
-    return fmt::format("[refine]\ndriving_side = {}  # {}\n\n", quoted(to_string(country->driving_side)),
-                       country->name);
+    if (!country_ || country_->driving_side == DrivingSide::right) return {};
+    return fmt::format("[refine]\ndriving_side = {}  # {}\n\n", quoted(to_string(country_->driving_side)),
+                       country_->name);
   }
   void local(const char* key, const std::vector<std::string>& files, const std::string& subject) {
     std::string names;
@@ -329,6 +339,7 @@ class SiteWriter {
   const Catalogue& catalogue_;
   const NewSiteOptions& options_;
   const SiteFrame& frame_;
+  std::optional<Country> country_;
   Chooser chooser_;
   NewSite result_;
   std::string sources_, fetch_;
