@@ -11,6 +11,7 @@
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/roads/cut_corners.hpp"
+#include "orthodrive/roads/dead_one_ways.hpp"
 #include "orthodrive/roads/drawn_twice.hpp"
 #include "orthodrive/roads/join_places.hpp"
 
@@ -24,6 +25,7 @@ OsmRoads read_all_osm(const Sources::Files& files, const SiteFrame& site) {
   all.roads = io::read_osm_roads(files, site, &all.findings);
   join_places(all.roads, all.findings);
   draw_once(all.roads, all.findings);
+  report_dead_one_ways(all.roads, all.findings);
   cut_at_corners(all.roads);
   return all;
 }
