@@ -181,6 +181,22 @@ TEST(LaneUse, widths_of_parts) {
   EXPECT_EQ(read_way({{"width", "12"}, {"width:carriageway", "6"}}).width_m, 6.0);
 }
 
+TEST(LaneUse, lanes_for_cars_with_passengers_are_lanes_for_cars) {
+  const io::OsmTags lanes{{"oneway", "yes"}, {"lanes", "3"}, {"hov:lanes", "designated||"}};
+  for (const char* shut : {"motor_vehicle:lanes", "vehicle:lanes", "access:lanes", "motorcar:lanes"}) {
+    io::OsmTags tags = lanes;
+    tags.emplace(shut, "no||");
+    const io::WayAttributes way = read_way(tags);
+    EXPECT_EQ(way.path.use_forward, "") << shut;
+    EXPECT_EQ(way.path.lanes, 3);
+  }
+  io::OsmTags with_buses = lanes;
+  with_buses.emplace("bus:lanes", "designated||designated");
+  EXPECT_EQ(read_way(with_buses).path.use_forward, "||bus") << "the first is shared";
+  EXPECT_EQ(read_way({{"motor_vehicle", "no"}, {"hov", "designated"}}).path.use, "");
+  EXPECT_EQ(read_way({{"motor_vehicle", "no"}, {"hov", "no"}, {"bus", "yes"}}).path.use, "bus");
+}
+
 TEST(LaneUse, widths_of_lanes_in_any_spelling) {
   const auto read = [](io::OsmTags tags) { return read_way(std::move(tags)); };
   for (const char* spelling : {"3.5|3|2.5", "3.5 m|3 m|2.5 m", " 3.5 | 3 |2,5", "3.5m|3m|2.5m", "3.50|3.0|2.50"}) {

@@ -19,7 +19,7 @@ bool may_use(const std::string& value) { return has_own(value) || value == "yes"
 
 /// What the keys of access say, of a road or of one of its lanes.
 struct Permits {
-  std::string access, vehicle, motor_vehicle, motorcar, bus, psv, taxi, bicycle;
+  std::string access, vehicle, motor_vehicle, motorcar, hov, bus, psv, taxi, bicycle;
 };
 
 /// The closest key tells of cars: motorcar before motor_vehicle before vehicle before access. Where none does, a lane
@@ -29,6 +29,7 @@ std::string use_of(const Permits& p, bool closed) {
   for (const std::string* value : {&p.motorcar, &p.motor_vehicle, &p.vehicle, &p.access})
     if (cars.empty()) cars = *value;
   if (!cars.empty() && cars != "no") return "";
+  if (may_use(p.hov)) return "";  // cars, with passengers; tagged beside motor_vehicle=no as often as without
   closed = closed || cars == "no";
   for (const auto may : {&has_own, &may_use}) {
     if (may == &may_use && !closed) break;
@@ -40,11 +41,12 @@ std::string use_of(const Permits& p, bool closed) {
   return closed ? "none" : "";
 }
 
-constexpr std::array<std::pair<const char*, std::string Permits::*>, 8> permit_keys{
+constexpr std::array<std::pair<const char*, std::string Permits::*>, 9> permit_keys{
     {{"access", &Permits::access},
      {"vehicle", &Permits::vehicle},
      {"motor_vehicle", &Permits::motor_vehicle},
      {"motorcar", &Permits::motorcar},
+     {"hov", &Permits::hov},
      {"bus", &Permits::bus},
      {"psv", &Permits::psv},
      {"taxi", &Permits::taxi},
