@@ -97,7 +97,7 @@ PARTS = [  # a part stands behind those whose files it takes
         "what `site` made",
     ),
     Part("verdict", "verdict", 1, [["verdict", "--files", *pairs(ROADS)]], "what `site` made"),
-    Part("foreign-osm", "foreign_osm", 1, [["foreign-osm"]], "`../shared/foreign/osm`, python3-gdal"),
+    Part("foreign-osm", "foreign_osm", 1, [["foreign-osm"]], "`../shared/foreign/osm`, python3-gdal, sumo"),
     Part(
         "foreign-opendrive",
         "foreign_opendrive",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Junctions of other towns: extracts of OSM that users of other tools have found hard (../shared/foreign/osm), on a
-made-up hill and without a photo, and the verdict of `evaluate network` on each. Writes docs/measured/foreign_osm.md.
-Needs Debian's python3-gdal and python3-numpy.
+made-up hill and without a photo: the verdict of `evaluate network` on each, and its lanes and limits beside those of
+netconvert (foreign_lanes.py). Writes docs/measured/foreign_osm.md. Needs Debian's python3-gdal, python3-numpy and sumo.
 """
 
 import statistics
@@ -15,6 +15,7 @@ from measuring.common import (
     PAGES,
     ROOT,
     Tool,
+    add_only,
     add_table,
     add_tool,
     commit,
@@ -25,9 +26,11 @@ from measuring.common import (
     write_page,
     write_results,
 )
+from measuring.foreign_lanes import lanes_part, measure_lanes
 from measuring.verdict import KINDS
 
-STORE, PAGE = "foreign_osm.json", PAGES / "foreign_osm.md"
+STORES = {"verdict": "foreign_osm.json", "lanes": "foreign_lanes.json"}
+PAGE = PAGES / "foreign_osm.md"
 EXTRACTS = ROOT.parent / "shared/foreign/osm"
 FARTHEST_M, MARGIN_M = 1500.0, 100.0  # nodes further off belong to ways that leave the extract
 TERRAIN_M, LABELS_M = 5.0, 1.0
@@ -35,6 +38,7 @@ TERRAIN_M, LABELS_M = 5.0, 1.0
 
 def add_arguments(parser):
     add_tool(parser, "out/foreign_osm")
+    add_only(parser, STORES)
     add_table(parser)
 
 
@@ -70,7 +74,8 @@ def write_raster(file, box, pixel_m, crs, values, classes=None):
     raster.FlushCache()
 
 
-def measure(tool, extract, folder, classes):
+def build(tool, extract, folder, classes):
+    """roads.xodr of an extract."""
     places, utm = places_of(extract)
     box = [*np.floor(places.min(axis=0) - MARGIN_M), *np.ceil(places.max(axis=0) + MARGIN_M)]
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,7 +85,11 @@ def measure(tool, extract, folder, classes):
     tool("refine", "--method", "none", "--osm", extract, "--labels", folder / "labels.tif", "-o", folder / "lines.gpkg")
     tool("elevate", "--roads", folder / "lines.gpkg", "--dtm", hill, "-o", folder / "roads.gpkg")
     tool("network", "--roads", folder / "roads.gpkg", "-o", folder / "roads.xodr")
-    scores = tool.json("evaluate", "network", folder / "roads.xodr", "--json")
+    return folder / "roads.xodr"
+
+
+def measure_verdict(tool, xodr):
+    scores = tool.json("evaluate", "network", xodr, "--json")
     return {key: scores[key] for key in ("length_m", "junctions", "broken_links", "lane_link_errors", "verdict")}
 
 
@@ -104,28 +113,40 @@ places of each kind over its limit.
 """
 
 
-def page(numbers):
-    passed = sum(n["verdict"]["pass"] for n in numbers["extracts"].values())
-    text = f"{ABOUT}**The verdict is pass in {passed} of {len(numbers['extracts'])}** (asked: in all).\n\n"
+def verdict_part(extracts):
+    passed = sum(n["verdict"]["pass"] for n in extracts.values())
+    text = f"{ABOUT}**The verdict is pass in {passed} of {len(extracts)}** (asked: in all).\n\n"
     text += header(["extract", "km", "junctions", "broken links, lane links", "verdict", "faults: worst (places)"])
-    for name, n in numbers["extracts"].items():
+    for name, n in extracts.items():
         verdict = "pass" if n["verdict"]["pass"] else "FAIL"
         links = f"{n['broken_links']}, {n['lane_link_errors']}"
         text += row([name, fixed(n["length_m"] / 1000, 1), n["junctions"], links, verdict, faults_of(n["verdict"])])
     return text
 
 
+def measure(args):
+    gdal.UseExceptions()
+    tool, found = Tool(args.tool), {part: {} for part in args.only}
+    small = tool.synth(args.out / "synth", "--preset", "village", "--size", "200", "--gsd", "1")
+    classes = gdal.Open(str(small / "truth/labels.tif")).GetMetadataItem("ORTHODRIVE_CLASSES")
+    for extract in sorted(EXTRACTS.glob("*.osm")):
+        name, folder = extract.stem, args.out / extract.stem
+        try:
+            xodr = build(tool, extract, folder, classes)
+            if "verdict" in found:
+                found["verdict"][name] = measure_verdict(tool, xodr)
+                print(name, "pass" if found["verdict"][name]["verdict"]["pass"] else "FAIL", flush=True)
+            if "lanes" in found:
+                found["lanes"][name] = measure_lanes(extract, xodr, folder)
+        except subprocess.CalledProcessError as failed:
+            raise SystemExit(f"{extract.name}: {failed}") from failed
+    for part, extracts in found.items():
+        write_results(STORES[part], {"commit": commit(), "extracts": extracts})
+
+
 def run(args):
     if not args.table:
-        gdal.UseExceptions()
-        tool, extracts = Tool(args.tool), {}
-        small = tool.synth(args.out / "synth", "--preset", "village", "--size", "200", "--gsd", "1")
-        classes = gdal.Open(str(small / "truth/labels.tif")).GetMetadataItem("ORTHODRIVE_CLASSES")
-        for extract in sorted(EXTRACTS.glob("*.osm")):
-            try:
-                extracts[extract.stem] = measure(tool, extract, args.out / extract.stem, classes)
-            except subprocess.CalledProcessError as failed:
-                raise SystemExit(f"{extract.name}: {failed}") from failed
-            print(extract.stem, "pass" if extracts[extract.stem]["verdict"]["pass"] else "FAIL", flush=True)
-        write_results(STORE, {"commit": commit(), "extracts": extracts})
-    write_page(PAGE, [STORE], page(read_results(STORE, {})))
+        measure(args)
+    verdicts, lanes = (read_results(store, {"extracts": {}})["extracts"] for store in STORES.values())
+    text = verdict_part(verdicts) + ("\n" + lanes_part(lanes) if lanes else "")
+    write_page(PAGE, list(STORES.values()), text)
