@@ -20,7 +20,8 @@ constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
 constexpr double cross_slope_sigma = 0.025;  // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
 constexpr double known_banking_sigma = 1e-3;
-constexpr double shared_sigma_m = 0.01;  // of roads that part, where they have hardly done so
+// Of roads that part: no road is banked by more than the second, and tighter ones twist junctions.
+constexpr double shared_sigma_m = 0.05, shared_sigma_per_m = 0.1;
 // Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those
 // of the gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
 constexpr double gradient_gives_way_m = 10.0, gradient_gives_way_pixels = 1.0;
@@ -283,7 +284,7 @@ void NetworkProfiles::hold_control(RobustFit& fit) const {
 void NetworkProfiles::add_shared_pavement(RobustFit& fit) const {
   for (const SharedPavement& place : shared_) {
     const RoadNode& node = roads_.paths[place.main_path].nodes[place.main_node];
-    const double sigma_m = std::max(shared_sigma_m, cross_slope_sigma * std::abs(place.left_m));
+    const double sigma_m = std::max(shared_sigma_m, shared_sigma_per_m * std::abs(place.left_m));
     fit.add_square(difference(chains_.chains[place.other_chain].height(place.other_s_m),
                               chains_.chains[place.main_chain].height(place.main_s_m)),
                    std::tan(node.banking) * place.left_m, 1.0 / (sigma_m * sigma_m));
