@@ -91,7 +91,7 @@ bool is_utf8(const std::string& path) {
 
 /// What expat says, and what to do.
 std::string wrong_xml(XML_Error error) {
-  const std::string said = XML_ErrorString(error);
+  std::string said = XML_ErrorString(error);
   switch (error) {
     case XML_ERROR_NO_ELEMENTS:
     case XML_ERROR_UNCLOSED_TOKEN:

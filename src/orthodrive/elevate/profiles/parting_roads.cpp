@@ -107,6 +107,7 @@ void follow_both(const RoadNetwork& roads, const ProfileChains& chains, const Ra
 /// Class, then width, at the node that a ray leaves.
 std::tuple<int, double> weight_of(const RoadNetwork& roads, const ProfileChains& chains, const Ray& ray) {
   const auto at = point_of(roads, chains.chains[ray.chain], ray.s_m + ray.sign * direction_m);
+  if (!at) return {};
   return {road_rank(roads.paths[at->nearest->path].highway), node_of(roads, *at).width_m};
 }
 

@@ -35,6 +35,7 @@ JoinedRasters join_rasters(const std::vector<std::string>& names, const SiteFram
   }
   if (differ) all.vrt_options = {"-a_srs", wkt_of(first.horizontal), "-allow_projection_difference"};
   std::vector<const OpenedRaster*> members;
+  members.reserve(rasters.size());
   for (const OpenedRaster& r : rasters) members.push_back(&r);
   const std::vector<std::string> nodata = nodata_for_all(members);
   all.vrt_options.insert(all.vrt_options.end(), nodata.begin(), nodata.end());

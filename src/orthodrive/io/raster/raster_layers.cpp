@@ -363,6 +363,7 @@ DrawnRaster draw_rasters(std::vector<OpenedRaster>& rasters, const SiteFrame& si
                                    [&](const auto& r) { return same_crs(r.horizontal, first.horizontal); });
   const OGRSpatialReference reference = one_crs ? first.horizontal : spatial_reference(site.crs);
   std::vector<Box2> boxes;
+  boxes.reserve(rasters.size());
   for (const OpenedRaster& raster : rasters) boxes.push_back(box_of(raster, reference));
   const Canvas canvas = canvas_of(rasters, boxes, site, reference, options);
   if (canvas.width == 0 || canvas.height == 0)

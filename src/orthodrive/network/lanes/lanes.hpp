@@ -38,8 +38,8 @@ struct LaneWeights {
   bool operator==(const LaneWeights&) const = default;
 };
 
-/// Numbers of lanes, what the tags say of their widths and of who uses them. Forward lanes run with s: right of the
-/// centre lane in right-hand traffic.
+/// Numbers of lanes, what the tags say of their widths and users. Forward lanes run with s: right of the centre lane in
+/// right-hand traffic.
 struct LaneLayout {
   int left = 1, right = 1;
   /// More lanes were tagged than the width has room for.

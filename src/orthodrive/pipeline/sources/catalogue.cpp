@@ -248,9 +248,8 @@ struct CellPlace {
   double column, row;
 };
 
-std::string cell_url(const CatalogueSource& source, const CellPlace& cell, bool in_degrees) {
+std::string cell_url(const CatalogueSource& source, const SourceCells& cells, const CellPlace& cell, bool in_degrees) {
   constexpr double metres_per_degree = 111320.0;
-  const SourceCells& cells = *source.cells;
   const double west = cells.origin.x + cell.column * cells.size.x, south = cells.origin.y + cell.row * cells.size.y;
   const auto corner = [](double lat, double lon, const char* north_south, const char* east_west, const char* between) {
     return fmt::format("{}{:02.0f}{}{}{:03.0f}", north_south[lat < 0.0 ? 1 : 0], std::abs(lat), between,
@@ -419,7 +418,7 @@ std::vector<std::string> cell_urls(const CatalogueSource& source, const Polygon&
   std::vector<std::string> urls;
   for (double row = south; row < north; ++row)
     for (double column = west; column < east; ++column)
-      if (has_name(cells, {column, row})) urls.push_back(cell_url(source, {column, row}, in_degrees));
+      if (has_name(cells, {column, row})) urls.push_back(cell_url(source, cells, {column, row}, in_degrees));
   if (urls.empty()) throw OptionError(fmt::format("no sheet of {} reaches the area; name another source", source.id));
   return urls;
 }
