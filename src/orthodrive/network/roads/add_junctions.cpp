@@ -203,7 +203,8 @@ std::optional<DrivenWay> driven_over(const TurnRules& rules, DrivenWay driven, s
   return driven;
 }
 
-/// The ways from an end's vertex to its cut, as if they lay inside.
+/// The ways from an end's vertex to its cut, as if they lay inside. Where the map tells no restriction it is the way at
+/// the cut alone: those of crossings without a node then miss what lies before the cut (docs/network.md, Limits).
 InnerWay way_to_cut(const NetworkPlan& plan, const JunctionEnd& end) {
   const Stretch& stretch = plan.junctions.stretches[end.stretch];
   const Chain& chain = plan.topology.chains[stretch.chain];
@@ -211,6 +212,11 @@ InnerWay way_to_cut(const NetworkPlan& plan, const JunctionEnd& end) {
   const double s0 = end.at_begin ? stretch.s0 : end.chain_s, s1 = end.at_begin ? end.chain_s : stretch.s1;
   constexpr double touches_m = 1e-6;
   InnerWay inner;
+  const auto is_told = [](const TurnRestriction& r) { return !r.only || r.from_way != r.to_way; };
+  if (std::ranges::none_of(plan.roads.restrictions, is_told)) {
+    inner.ways.push_back(plan.roads.paths[end.path].osm_id);
+    return inner;
+  }
   for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
     if (geometry.vertex_s[k] > s1 - touches_m || geometry.vertex_s[k + 1] < s0 + touches_m) continue;
     const DirectedPiece part = chain.pieces[k];
