@@ -11,7 +11,7 @@
 
 namespace orthodrive {
 
-/// A car stands on the least and gets a little further.
+/// Long enough for a car to stand on and to move.
 inline constexpr double least_route_m = 6.0;
 
 /// A route below least_route_m: nothing to drive on.

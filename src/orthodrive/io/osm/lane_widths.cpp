@@ -38,7 +38,7 @@ double direction_width_m(const OsmTags& tags, WayAttributes& way, bool forward) 
 }
 
 /// Lanes that a list tells of: their sum and number.
-struct ToldLanes {
+struct SumOfWidths {
   double sum_m = 0.0;
   int count = 0;
   void add(const std::string& list) {
@@ -48,8 +48,8 @@ struct ToldLanes {
 };
 
 /// width:lanes of a road for both directions without saying which lanes are whose: what it says of the road.
-ToldLanes lanes_across(const OsmTags& tags, WayAttributes& way) {
-  ToldLanes told;
+SumOfWidths lanes_across(const OsmTags& tags, WayAttributes& way) {
+  SumOfWidths told;
   const std::string text = tag_value(tags, "width:lanes");
   if (text.empty() || way.path.oneway == Oneway::forward) return told;
   const std::vector<std::string> widths = lane_list(widths_of("width:lanes", text, way));
@@ -71,7 +71,7 @@ ToldLanes lanes_across(const OsmTags& tags, WayAttributes& way) {
 /// The sum over the lanes; those of which nothing is told are as wide as in the class.
 TaggedWidth width_of_lanes(const OsmTags& tags, WayAttributes& way) {
   const RoadPath& path = way.path;
-  ToldLanes told;
+  SumOfWidths told;
   for (const std::string* list : {&path.widths_forward, &path.widths_backward, &path.widths_both_ways}) told.add(*list);
   if (told.count == 0) told = lanes_across(tags, way);
   if (told.count == 0) return {};

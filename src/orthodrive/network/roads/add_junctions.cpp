@@ -205,18 +205,17 @@ std::optional<DrivenWay> driven_over(const TurnRules& rules, DrivenWay driven, s
 
 /// The ways from an end's vertex to its cut, as if they lay inside. Where the map tells no restriction it is the way at
 /// the cut alone: those of crossings without a node then miss what lies before the cut (docs/network.md, Limits).
-InnerWay way_to_cut(const NetworkPlan& plan, const JunctionEnd& end) {
+InnerWay way_to_cut(const NetworkPlan& plan, const TurnRules& rules, const JunctionEnd& end) {
+  InnerWay inner;
+  if (!rules.are_told()) {
+    inner.ways.push_back(plan.roads.paths[end.path].osm_id);
+    return inner;
+  }
   const Stretch& stretch = plan.junctions.stretches[end.stretch];
   const Chain& chain = plan.topology.chains[stretch.chain];
   const ChainGeometry& geometry = plan.geometry[stretch.chain];
   const double s0 = end.at_begin ? stretch.s0 : end.chain_s, s1 = end.at_begin ? end.chain_s : stretch.s1;
   constexpr double touches_m = 1e-6;
-  InnerWay inner;
-  const auto is_told = [](const TurnRestriction& r) { return !r.only || r.from_way != r.to_way; };
-  if (std::ranges::none_of(plan.roads.restrictions, is_told)) {
-    inner.ways.push_back(plan.roads.paths[end.path].osm_id);
-    return inner;
-  }
   for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
     if (geometry.vertex_s[k] > s1 - touches_m || geometry.vertex_s[k + 1] < s0 + touches_m) continue;
     const DirectedPiece part = chain.pieces[k];
@@ -335,7 +334,7 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const TurnRules& r
                                      std::vector<Movement>& sharp, std::set<std::size_t>& followed) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
-  const std::optional<DrivenWay> driven = driven_in(rules, way_to_cut(plan, ends[from]));
+  const std::optional<DrivenWay> driven = driven_in(rules, way_to_cut(plan, rules, ends[from]));
   if (!driven) return movements;
   const std::vector<Arrival> arrivals =
       arrivals_from(plan, inside, rules, {ends[from].vertex, *driven, in[from].pose.direction});
@@ -345,7 +344,7 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const TurnRules& r
   for (std::size_t to = 0; to < ends.size(); ++to) {
     bool reached = false, turned = true;
     std::vector<Leg> legs;  // of the first that comes there without turning round
-    const InnerWay way_out = way_to_cut(plan, ends[to]);
+    const InnerWay way_out = way_to_cut(plan, rules, ends[to]);
     for (const Arrival& arrival : arrivals) {
       if (arrival.vertex != ends[to].vertex ||
           !driven_over(rules, arrival.driven, node_of(plan, arrival.vertex), way_out, true))

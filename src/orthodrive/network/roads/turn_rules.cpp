@@ -68,6 +68,8 @@ std::vector<TurnRestriction> settled_restrictions(const RoadNetwork& roads, cons
 
 TurnRules::TurnRules(std::vector<TurnRestriction> restrictions) : restrictions_(std::move(restrictions)) {
   for (std::size_t i = 0; i < restrictions_.size(); ++i) at_node_[restrictions_[i].via_node].push_back(i);
+  are_told_ =
+      std::ranges::any_of(restrictions_, [](const TurnRestriction& r) { return !r.only || r.from_way != r.to_way; });
 }
 
 template <typename F>

@@ -43,6 +43,8 @@ class TurnRules {
   /// Whether one has come over all ways of a restriction.
   [[nodiscard]] bool is_complete(const FollowedRestriction& followed) const;
   [[nodiscard]] const std::vector<TurnRestriction>& restrictions() const { return restrictions_; }
+  /// Whether any is the map's: of crossings without a node each way leads on into itself alone (crossing_nodes.hpp).
+  [[nodiscard]] bool are_told() const { return are_told_; }
 
  private:
   /// Of restrictions over ways that begin there.
@@ -50,6 +52,7 @@ class TurnRules {
   void each_over_ways(std::int64_t node, std::int64_t from_way, const F& call) const;
 
   std::vector<TurnRestriction> restrictions_;
+  bool are_told_ = false;
   std::map<std::int64_t, std::vector<std::size_t>> at_node_;
 };
 
