@@ -14,6 +14,9 @@ constexpr bool sanitized = true;
 constexpr bool sanitized = false;
 #endif
 
+/// Why a case is left out there: it runs with other threads, tiles or windows what other cases run, and compares bytes.
+constexpr const char* runs_again = "runs again what other cases run; the sanitizers have seen it";
+
 /// All of these cases; under the sanitizer every `step`-th.
 template <typename T>
 std::vector<T> unless_sanitized(std::vector<T> cases, std::size_t step) {

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -129,20 +131,31 @@ inline void expect_upwards(const TriMesh& mesh) {
 /// positions (heights included); edges used once only lie on the tile's or the area's border.
 inline void expect_closed(const SceneTile& tile, const std::function<bool(Vec2, Vec2)>& may_be_open) {
   using Point = std::array<float, 3>;
-  std::map<std::array<Point, 2>, int> edges;
+  std::map<Point, std::uint32_t> number_of;  // of a position, in whichever mesh
+  std::vector<Point> positions;
+  std::vector<std::array<std::uint32_t, 2>> edges;
   for (const MeshKind kind : {MeshKind::terrain, MeshKind::water, MeshKind::road}) {
     const TriMesh* mesh = find_mesh(tile, kind);
     if (mesh == nullptr) continue;
+    std::vector<std::uint32_t> numbers;
+    for (const Point& position : mesh->positions) {
+      const auto [at, is_new] = number_of.try_emplace(position, static_cast<std::uint32_t>(positions.size()));
+      if (is_new) positions.push_back(position);
+      numbers.push_back(at->second);
+    }
     for (std::size_t i = 0; i < mesh->indices.size(); i += 3)
       for (std::size_t k = 0; k < 3; ++k)
-        ++edges[{mesh->positions[mesh->indices[i + k]], mesh->positions[mesh->indices[i + (k + 1) % 3]]}];
+        edges.push_back({numbers[mesh->indices[i + k]], numbers[mesh->indices[i + (k + 1) % 3]]});
   }
+  std::ranges::sort(edges);
   int open = 0, doubled = 0;
   Vec3 where;
-  for (const auto& [edge, count] : edges) {
-    if (count != 1) ++doubled;
-    const Vec3 a = world(tile, edge[0]), b = world(tile, edge[1]);
-    if (edges.contains({edge[1], edge[0]}) || may_be_open({a.x, a.y}, {b.x, b.y})) continue;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i > 0 && edges[i] == edges[i - 1]) ++doubled;
+    const auto [from, to] = edges[i];
+    if (std::ranges::binary_search(edges, std::array{to, from})) continue;
+    const Vec3 a = world(tile, positions[from]), b = world(tile, positions[to]);
+    if (may_be_open({a.x, a.y}, {b.x, b.y})) continue;
     ++open, where = a;
   }
   EXPECT_EQ(doubled, 0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "orthodrive/model/rasters/srgb.hpp"
 #include "orthodrive/scene/look/leaf_picture.hpp"
@@ -18,8 +19,15 @@ double linear(std::uint8_t byte) {
 
 class EverySurfaceTexture : public testing::TestWithParam<SurfaceMaterial> {};
 
+/// 256 px, made once for all cases.
+const SurfaceTexture& texture_of(SurfaceMaterial material) {
+  static std::map<SurfaceMaterial, SurfaceTexture> made;
+  if (!made.contains(material)) made.emplace(material, make_surface_texture(material, 256));
+  return made.at(material);
+}
+
 TEST_P(EverySurfaceTexture, has_the_mean_that_tints_count_on) {
-  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  const SurfaceTexture& texture = texture_of(GetParam());
   for (int channel = 0; channel < 3; ++channel) {
     double sum = 0.0;
     for (int row = 0; row < 256; ++row)
@@ -29,7 +37,7 @@ TEST_P(EverySurfaceTexture, has_the_mean_that_tints_count_on) {
 }
 
 TEST_P(EverySurfaceTexture, goes_on_across_its_edges) {
-  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  const SurfaceTexture& texture = texture_of(GetParam());
   const auto mean_step = [&](int col, int next) {
     double sum = 0.0;
     for (int i = 0; i < 256; ++i) {
@@ -44,7 +52,7 @@ TEST_P(EverySurfaceTexture, goes_on_across_its_edges) {
 }
 
 TEST_P(EverySurfaceTexture, has_unit_normals_that_look_up_on_average_and_no_metal) {
-  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  const SurfaceTexture& texture = texture_of(GetParam());
   double sum_x = 0.0, sum_y = 0.0;
   for (int row = 0; row < 256; ++row) {
     for (int col = 0; col < 256; ++col) {

@@ -300,9 +300,12 @@ TEST(FromTrack, a_country_is_made_tile_by_tile_with_the_given_ways) {
     for (const auto& [place, label] : labels) site.labels.labels.data.push_back(label);
     return site;
   };
-  const SynthSite site = made(1, 700), same = made(2, 128);
-  EXPECT_EQ(site.labels.labels.data, same.labels.labels.data);
-  EXPECT_EQ(fingerprint(site), fingerprint(same));
+  const SynthSite site = made(1, 700);
+  if (!sanitized) {
+    const SynthSite same = made(2, 128);
+    EXPECT_EQ(site.labels.labels.data, same.labels.labels.data);
+    EXPECT_EQ(fingerprint(site), fingerprint(same));
+  }
   ASSERT_GT(site.osm.ways.size(), 40u);
   EXPECT_EQ(site.osm.ways[0].id, 800);
   EXPECT_EQ(site.osm.ways[0].nodes, sources.osm.ways[0].nodes);

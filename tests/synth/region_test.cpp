@@ -265,6 +265,7 @@ const SynthSite& small_region() {
 }
 
 TEST(Region, does_not_depend_on_threads_and_tiles) {
+  if (sanitized) GTEST_SKIP() << runs_again;
   SynthOptions other = quick_region;
   other.threads = 3, other.tile_px = 333;
   const SynthSite site = assembled(plan_region(quick_region.size_m, quick_region.seed), other), &same = small_region();
