@@ -563,7 +563,9 @@ class Builder {
     } else if (parent == "lane" && name == "speed" && lane_->id != 0) {
       lane_->speeds.push_back({a.number("sOffset", 0.0), read_speed(a)});
     } else if (parent == "lane" && name == "roadMark") {
-      lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
+      read_road_mark(a);
+    } else if (name == "line" && (parent == "type" || parent == "explicit") && !lane_->marks.empty()) {
+      read_mark_line(parent == "explicit", a);
     } else if (parent == "lane" && name == "material" && lane_->id != 0) {
       read_material(*lane_, a);
     } else if (parent == "lane" && name == "height" && lane_->id != 0) {
@@ -573,6 +575,20 @@ class Builder {
     } else if (parent == "link" && name == "successor") {
       if (names_something(a, "id")) lane_->successor = a.integer("id");
     }
+  }
+
+  void read_road_mark(const Attributes& a) {
+    constexpr double bold_m = 0.25;  // as esmini takes it
+    const RoadMark usual;
+    const std::string color = lowered(trimmed(a.text("color")));
+    lane_->marks.push_back({a.number("sOffset"), lowered(trimmed(a.text("type"))),
+                            a.number("width", a.text("weight") == "bold" ? bold_m : usual.width),
+                            color.empty() ? usual.color : color});
+  }
+  void read_mark_line(bool is_single_stroke, const Attributes& a) {
+    lane_->marks.back().lines.push_back({a.number("length", 0.0), a.number("space", 0.0), a.number("tOffset", 0.0),
+                                         a.number("sOffset", 0.0), a.number("width", 0.0),
+                                         lowered(trimmed(a.text("color"))), is_single_stroke});
   }
 
   /// Before 1.6 there was no rule: a restriction was of those whom the lane is closed to.

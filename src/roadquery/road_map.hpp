@@ -65,10 +65,20 @@ enum class LaneType { none, driving, shoulder, border, sidewalk, parking, biking
   return type == LaneType::driving || type == LaneType::bidirectional;
 }
 
+/// A line of a road mark that is written out (OpenDRIVE 1.8.1, 11.9.2 and 11.9.3).
+struct RoadMarkLine {
+  double length = 0.0, space = 0.0;       ///< m, of its strokes and of the gaps between them; no gap: without an end
+  double t_offset = 0.0, s_offset = 0.0;  ///< m, to the left of the lane's border and from the start of the mark
+  double width = 0.0;                     ///< m; 0: that of the mark
+  std::string color;                      ///< empty: that of the mark
+  bool is_single_stroke = false;          ///< `length` long, not repeated (<explicit>)
+};
 struct RoadMark {
   double s_offset = 0.0;
-  std::string type = "none";  ///< "solid", "broken", "none"
-  double width = 0.12;
+  std::string type = "none";  ///< as OpenDRIVE names it: "solid", "broken", "solid broken", "botts dots", "none" ...
+  double width = 0.12;        ///< m, of each of its lines
+  std::string color = "standard";   ///< as OpenDRIVE names it; "standard" is white
+  std::vector<RoadMarkLine> lines;  ///< what it consists of; empty: what its type means
 };
 
 /// What a lane is made of from s_offset on (OpenDRIVE 1.7, 11.7.2 <material>).

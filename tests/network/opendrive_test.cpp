@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our files before real readers: our own, the ASAM schema (xmllint) and SUMO (netconvert); and real towns from OSM.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -221,6 +222,28 @@ TEST_F(OpenDrive, map_without_roads_is_refused_and_the_old_file_stays) {
   std::ofstream(file("a.xodr")) << "old";
   EXPECT_THROW(io::write_opendrive(file("a.xodr"), {}), Error);
   EXPECT_EQ(bytes_of(file("a.xodr")), "old");
+}
+
+TEST_F(OpenDrive, road_marks_are_written_with_their_colours_and_lines) {
+  roadquery::RoadMap map = build_network(network_of({make_path({{0, 0}, {30, 0}}, {1, 2})})).map;
+  roadquery::Lane& center = map.roads[0].sections[0].center;
+  center.marks = {{0.0, "solid broken", 0.12, "yellow"},
+                  {9.0, "custom", 0.1, "white", {{3, 9, 0.1, 1, 0.2, "blue", false}, {2, 0, -0.1, 4, 0.3, "", true}}}};
+  io::write_opendrive(file("a.xodr"), map);
+  const roadquery::RoadMap read = roadquery::read_opendrive(file("a.xodr").string());
+  const std::vector<roadquery::RoadMark>& marks = read.roads[0].sections[0].center.marks;
+  ASSERT_EQ(marks.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(marks[i].type, center.marks[i].type);
+    EXPECT_EQ(marks[i].color, center.marks[i].color);
+    ASSERT_EQ(marks[i].lines.size(), center.marks[i].lines.size());
+  }
+  const auto told = [](const roadquery::RoadMarkLine& l) {
+    return fmt::format("{} {} {} {} {} {} {}", l.length, l.space, l.t_offset, l.s_offset, l.width, l.color,
+                       l.is_single_stroke);
+  };
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(told(marks[1].lines[k]), told(center.marks[1].lines[k]));
+  if (fs::exists(opendrive_schema)) expect_valid_opendrive(file("a.xodr"));
 }
 
 TEST_F(OpenDrive, all_shapes_are_written) {

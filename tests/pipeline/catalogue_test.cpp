@@ -200,6 +200,21 @@ const std::vector<KnownPlace> places_at_borders{
     {"GB-NIR", -6.340, 54.180}, {"IE", -6.400, 54.000},     {"GB", -0.120, 51.500},     {"AU", 151.21, -33.870},
     {"MX", -117.03, 32.510},    {"BE-WAL", 2.930, 50.760},  {"FR", 2.35, 48.85},        {"DE", 13.40, 52.52}};
 
+TEST(Catalogue, lines_along_roads_are_painted_as_the_country_does) {
+  const std::vector<Country> countries = read_countries(paths::in_source("catalogue"));
+  RoadMarkRules rules = read_road_marks(paths::in_source("catalogue"));
+  EXPECT_GE(rules.rules.size(), 25u);
+  for (const RoadMarkRule& rule : rules.rules) EXPECT_NE(country_of(countries, rule.country), nullptr) << rule.country;
+  const auto color_at = [&](double lon, double lat) {
+    rules.here = law_at(*country_at(countries, {lon, lat}), {lon, lat});
+    return rule_here(rules).between_directions;
+  };
+  for (const auto& [lon, lat] : {std::pair{-104.99, 39.74}, {-79.38, 43.65}, {10.75, 59.91}, {126.98, 37.57}})
+    EXPECT_EQ(color_at(lon, lat), "yellow") << lon;  // Denver, Toronto, Oslo, Seoul
+  for (const auto& [lon, lat] : {std::pair{13.40, 52.52}, {18.07, 59.33}, {-1.55, 53.80}, {174.76, -36.85}})
+    EXPECT_EQ(color_at(lon, lat), "standard") << lon;  // Berlin, Stockholm, Leeds, Auckland
+}
+
 TEST(Catalogue, laws_of_parts_are_found_by_place) {
   const std::vector<Country> countries = read_countries(paths::in_source("catalogue"));
   SpeedLaws laws = read_speed_laws(paths::in_source("catalogue"));

@@ -155,6 +155,34 @@ TEST_F(ForeignFile, crossfall_lets_each_half_fall_outwards) {
   EXPECT_EQ(notes_of(both), "");
 }
 
+TEST_F(ForeignFile, road_marks_are_read_with_their_colours_and_lines) {
+  const std::string lanes =
+      R"(<lanes><laneSection s="0"><center><lane id="0">)"
+      R"(<roadMark sOffset="0" type="solid solid" weight="bold" color="yellow"/>)"
+      R"(<roadMark sOffset="9" type="Broken" color="white" width="0.15"><type name="dashes" width="0.2">)"
+      R"(<line length="3" space="9" tOffset="0.1" sOffset="1" width="0.2" color="blue" rule="none"/></type>)"
+      R"(<explicit><line length="2" tOffset="-0.1" sOffset="40" width="0.3"/></explicit></roadMark>)"
+      R"(</lane></center><right><lane id="-1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/>)"
+      R"(<roadMark sOffset="0" type="none"/></lane></right></laneSection></lanes>)";
+  const RoadMap map = read(road_of(straight + lanes));
+  const LaneSection& section = map.roads[0].sections[0];
+  ASSERT_EQ(section.center.marks.size(), 2u);
+  const RoadMark &bold = section.center.marks[0], &written = section.center.marks[1];
+  EXPECT_EQ(bold.type + ' ' + bold.color, "solid solid yellow");
+  EXPECT_EQ(bold.width, 0.25);
+  EXPECT_TRUE(bold.lines.empty());
+  EXPECT_EQ(written.type + ' ' + written.color, "broken white");
+  ASSERT_EQ(written.lines.size(), 2u);
+  const RoadMarkLine &dashes = written.lines[0], &once = written.lines[1];
+  EXPECT_EQ(dashes.length + dashes.space + dashes.t_offset + dashes.s_offset + dashes.width, 3 + 9 + 0.1 + 1 + 0.2);
+  EXPECT_EQ(dashes.color, "blue");
+  EXPECT_FALSE(dashes.is_single_stroke);
+  EXPECT_EQ(once.length + once.space + once.t_offset + once.s_offset + once.width, 2 + 0 - 0.1 + 40 + 0.3);
+  EXPECT_TRUE(once.is_single_stroke);
+  EXPECT_EQ(section.right[0].marks[0].type, "none");
+  EXPECT_EQ(notes_of(map), "");
+}
+
 TEST_F(ForeignFile, what_stands_twice_or_out_of_order_is_sorted_and_the_last_one_counts) {
   const std::string elevations =
       R"(<elevationProfile><elevation s="100" a="2" b="0" c="0" d="0"/><elevation s="0" a="9" b="0" c="0" d="0"/>)"

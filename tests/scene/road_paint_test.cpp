@@ -14,7 +14,7 @@ namespace {
 
 double summed_m2(const std::vector<MarkingPiece>& pieces) {
   double sum = 0.0;
-  for (const MarkingPiece& p : pieces) {
+  for (const auto& [p, color] : pieces) {
     const double area = 0.5 * (cross(p[1] - p[0], p[2] - p[0]) + cross(p[2] - p[0], p[3] - p[0]));
     EXPECT_GT(area, 0.0) << "counter-clockwise";
     for (std::size_t i = 0; i < 4; ++i)
@@ -34,7 +34,7 @@ roadquery::Road road_with(const roadquery::RoadObject& object) {
 Box2 bounds_of(const std::vector<MarkingPiece>& pieces) {
   Box2 box{1e9, 1e9, -1e9, -1e9};
   for (const MarkingPiece& piece : pieces)
-    for (const Vec2 p : piece)
+    for (const Vec2 p : piece.corners)
       box = {std::min(box.min_x, p.x), std::min(box.min_y, p.y), std::max(box.max_x, p.x), std::max(box.max_y, p.y)};
   return box;
 }
@@ -72,7 +72,7 @@ TEST(RoadPaint, gores_have_lines_along_both_sides_and_strokes_over_a_third_of_th
   // Lines of 0.15 m, narrower where both meet; strokes of 0.5 m every 1.5 m.
   EXPECT_NEAR(summed_m2(pieces), 2.0 * 30.0 * 0.15 + 45.0 / 3.0, 1.0);
   for (const MarkingPiece& piece : pieces)
-    for (const Vec2 p : piece) EXPECT_LE(p.y, 3.0 + 0.1 * (p.x - 20.0) + 1e-9) << "inside the outline";
+    for (const Vec2 p : piece.corners) EXPECT_LE(p.y, 3.0 + 0.1 * (p.x - 20.0) + 1e-9) << "inside the outline";
 }
 
 TEST(RoadPaint, gores_look_the_same_whichever_way_their_outline_runs) {

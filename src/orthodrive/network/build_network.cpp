@@ -18,6 +18,7 @@
 #include "orthodrive/network/line/raise_humps.hpp"
 #include "orthodrive/network/line/road_cuts.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
+#include "orthodrive/network/paint/follow_mark_rule.hpp"
 #include "orthodrive/network/paint/gores.hpp"
 #include "orthodrive/network/paint/hindrances.hpp"
 #include "orthodrive/network/paint/lane_arrows.hpp"
@@ -151,6 +152,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   narrow_sidewalks(result.map);
   add_race_kerbs(result.map, options.weather);
   add_gores(plan, ends, result.map);
+  follow_mark_rule(rule_here(options.road_marks), result.map);
   if (options.junction_surfaces)
     result.junction_surfaces = add_junction_surfaces(result.map, parts.straight,
                                                      {.threads = options.threads,

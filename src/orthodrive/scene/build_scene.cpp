@@ -30,7 +30,7 @@ constexpr double point_distance_m = 2.0;    // of terrain points from each other
 constexpr double row_distance_m = 4.0;      // of those in a row beside roads
 constexpr double marking_lift_m = 0.006;
 constexpr double mesh_tolerance = 0.75;  // of triangles at the places where they are tested, of what is asked
-constexpr LinearColor deck_concrete = {0.33F, 0.32F, 0.30F}, white_paint = {0.62F, 0.62F, 0.60F};
+constexpr LinearColor deck_concrete = {0.33F, 0.32F, 0.30F};
 constexpr double jitter = 0.3;  // of raster points, in steps: a square raster has no unique triangulation
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 
@@ -342,8 +342,19 @@ std::vector<MarkingPiece> markings_of(const LevelLines& lines, TileAddress addre
   if (found == lines.markings.end()) return {};
   std::vector<MarkingPiece> local = found->second;
   for (MarkingPiece& piece : local)
-    for (Vec2& p : piece) p = p - center;
+    for (Vec2& p : piece.corners) p = p - center;
   return local;
+}
+
+/// With the colour of each.
+void drape_markings(const TriMesh& road, std::size_t first_index, const std::vector<MarkingPiece>& pieces,
+                    TriMesh& marking) {
+  std::map<LinearColor, std::vector<std::array<Vec2, 4>>> by_color;
+  for (const MarkingPiece& piece : pieces) by_color[piece.color].push_back(piece.corners);
+  for (const auto& [color, polygons] : by_color) {
+    drape(road, first_index, polygons, marking_lift_m, marking);
+    marking.colors.resize(marking.positions.size(), mesh_color(color));
+  }
 }
 
 std::vector<KerbPiece> kerbs_of(const LevelLines& lines, TileAddress address, Vec2 center) {
@@ -441,7 +452,7 @@ void add_surfaces(const SceneLayout& layout, TileAddress address, Vec2 center, T
   add_water_material(layout, center, m.water.mesh);
   add_verge(layout, m.terrain.mesh, center, m.verge);
   const auto add_level_lines = [&](TriMesh& road, std::size_t first_index, const LevelLines& lines) {
-    drape(road, first_index, markings_of(lines, address, center), marking_lift_m, m.marking);
+    drape_markings(road, first_index, markings_of(lines, address, center), m.marking);
     add_kerbs(road, first_index, kerbs_of(lines, address, center), m.kerb);
   };
   add_level_lines(m.road.mesh, 0, layout.ground_lines);
@@ -465,7 +476,8 @@ void add_road_works(const SceneLayout& layout, TileAddress address, Vec2 center,
   add_road_materials(layout, center, name_lanes(*layout.query, tile, m.road.mesh), m.road.mesh);
   add_road_materials(layout, center, name_lanes(*layout.query, tile, m.tunnel_road.mesh), m.tunnel_road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, m.body.mesh);
-  add_plain_material(SurfaceMaterial::paint, white_paint, m.marking);
+  m.marking.colors.resize(m.marking.positions.size(), mesh_color(white_paint));  // those of parking lots
+  add_material(SurfaceMaterial::paint, m.marking);
   add_material(SurfaceMaterial::concrete, m.kerb);
   add_faces(faces_in(layout.structures, address), {}, tile.origin, m.structure);
   add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, m.rails);

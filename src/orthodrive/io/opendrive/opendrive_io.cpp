@@ -178,6 +178,33 @@ bool leads_on(const Lane& lane, double s_in_section) {
 
 /// `limit_mps` > 0 stands at lanes without one of their own, too: SUMO reads it there only, and only of roads outside
 /// junctions.
+void add_mark_line(pugi::xml_node to, const roadquery::RoadMarkLine& line, const roadquery::RoadMark& mark) {
+  pugi::xml_node node = to.append_child("line");
+  set_attribute(node, "length", metres(line.length));
+  if (!line.is_single_stroke) set_attribute(node, "space", metres(line.space));
+  set_attribute(node, "tOffset", metres(line.t_offset));
+  set_attribute(node, "sOffset", metres(line.s_offset));
+  set_attribute(node, "width", metres(line.width > 0.0 ? line.width : mark.width));
+  if (!line.color.empty() && !line.is_single_stroke) set_attribute(node, "color", line.color);
+}
+
+void add_road_mark(pugi::xml_node lane, const roadquery::RoadMark& mark) {
+  pugi::xml_node node = lane.append_child("roadMark");
+  set_attribute(node, "sOffset", metres(mark.s_offset));
+  set_attribute(node, "type", mark.type);
+  set_attribute(node, "color", mark.color);
+  set_attribute(node, "width", metres(mark.width));
+  pugi::xml_node repeated, once;
+  for (const roadquery::RoadMarkLine& line : mark.lines) {
+    pugi::xml_node& to = line.is_single_stroke ? once : repeated;
+    if (!to) to = node.append_child(line.is_single_stroke ? "explicit" : "type");
+    add_mark_line(to, line, mark);
+  }
+  if (!repeated) return;
+  set_attribute(repeated, "name", mark.type);
+  set_attribute(repeated, "width", metres(mark.width));
+}
+
 void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited& from, double section_length_m,
               double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
@@ -192,11 +219,7 @@ void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited&
   }
   add_cubics(node, "width", lane.width, section_length_m, width_decimals, "sOffset");
   for (const roadquery::RoadMark& mark : is_unmarked(lane) ? std::vector<roadquery::RoadMark>{} : lane.marks) {
-    pugi::xml_node m = node.append_child("roadMark");
-    set_attribute(m, "sOffset", metres(mark.s_offset));
-    set_attribute(m, "type", mark.type);
-    set_attribute(m, "color", "standard");
-    set_attribute(m, "width", metres(mark.width));
+    add_road_mark(node, mark);
   }
   const bool inherits = roadquery::has_inherited_material(lane, from);
   for (const roadquery::LaneMaterial& material : inherits ? std::vector<roadquery::LaneMaterial>{} : lane.materials) {

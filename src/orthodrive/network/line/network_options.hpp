@@ -6,6 +6,7 @@
 
 #include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/model/roads/parse_driving_side.hpp"
+#include "orthodrive/model/roads/road_mark_rules.hpp"
 #include "orthodrive/model/roads/road_material.hpp"
 #include "orthodrive/model/roads/speed_laws.hpp"
 
@@ -24,6 +25,7 @@ struct BuildNetworkOptions {
   DrivingSide driving_side = DrivingSide::right;
   Weather weather = Weather::dry;    ///< what the friction of the lanes is for
   SpeedLaws speed_laws;              ///< for roads whose limit no sign tells
+  RoadMarkRules road_marks;          ///< how lines along roads are painted
   bool junction_surfaces = true;     ///< one surface for the paved area of each junction
   int threads = 0;                   ///< 0 = all cores; the result does not depend on it
   LoopExchange* exchange = nullptr;  ///< with other processes that build the same network; nor on it

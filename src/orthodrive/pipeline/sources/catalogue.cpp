@@ -115,6 +115,45 @@ SpeedLawEntry read_speed_law(TomlSection& section) {
   return entry;
 }
 
+struct RoadMarkEntry {
+  std::string id;
+  RoadMarkRule rule;
+};
+
+StrokeRule read_strokes(TomlSection& section) {
+  StrokeRule strokes;
+  for (const auto& [key, number] :
+       {std::pair{"to_kmh", &strokes.to_kmh}, {"stroke_m", &strokes.stroke_m}, {"gap_m", &strokes.gap_m}}) {
+    section.require(key);
+    section.read(key, *number);
+    if (!(*number > 0.0)) section.fail_at(key, "must be above 0");
+  }
+  return strokes;
+}
+
+RoadMarkEntry read_road_mark_rule(TomlSection& section) {
+  RoadMarkEntry entry;
+  for (const char* key : {"id", "source", "checked"}) section.require(key);
+  section.read("id", entry.id);
+  RoadMarkRule& rule = entry.rule;
+  rule.country = entry.id;
+  for (const auto& [key, color] :
+       {std::pair{"between_directions", &rule.between_directions}, {"inner_edge", &rule.inner_edge}})
+    if (section.has(key)) section.read_choice(key, *color, {"white", "yellow"});
+  section.read("double_centre", rule.is_solid_centre_double);
+  section.for_each_table("strokes", [&](TomlSection& strokes) {
+    const StrokeRule next = read_strokes(strokes);
+    if (!rule.strokes.empty() && next.to_kmh <= rule.strokes.back().to_kmh)
+      strokes.fail_at("to_kmh", "must be above that of the entry before");
+    rule.strokes.push_back(next);
+  });
+  std::string text;
+  for (const char* key : {"source", "note"}) section.read(key, text);
+  section.read_choice("checked", text, {"documentation", "use", "memory"});
+  section.finish();
+  return entry;
+}
+
 void read_pair(TomlSection& section, const char* key, Vec2& pair) {
   if (!section.has(key)) return;
   std::vector<double> numbers;
@@ -334,6 +373,14 @@ SpeedLaws read_speed_laws(const fs::path& folder) {
   SpeedLaws laws;
   for (SpeedLawEntry& entry : entries) laws.laws.push_back(std::move(entry.law));
   return laws;
+}
+
+RoadMarkRules read_road_marks(const fs::path& folder) {
+  std::vector<RoadMarkEntry> entries;
+  read_entries(folder / "road_marks.toml", "country", entries, read_road_mark_rule);
+  RoadMarkRules rules;
+  for (RoadMarkEntry& entry : entries) rules.rules.push_back(std::move(entry.rule));
+  return rules;
 }
 
 PlaceRules rules_at(const Crs& crs, const Box2& box) {

@@ -10,6 +10,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/roads/parse_driving_side.hpp"
+#include "orthodrive/model/roads/road_mark_rules.hpp"
 #include "orthodrive/model/roads/speed_laws.hpp"
 
 namespace orthodrive {
@@ -93,6 +94,8 @@ struct PlaceRules {
 void check_country(const std::string& id);
 /// Reads speed_limits.toml of a folder, without `here`; throws as read_catalogue().
 [[nodiscard]] SpeedLaws read_speed_laws(const std::filesystem::path& folder);
+/// Reads road_marks.toml of a folder, without `here`; throws as read_catalogue().
+[[nodiscard]] RoadMarkRules read_road_marks(const std::filesystem::path& folder);
 
 /// The folder that is installed with the tool, or that of the source tree.
 [[nodiscard]] std::filesystem::path catalogue_folder();

@@ -109,6 +109,8 @@ NetworkResult network_of(const RoadNetwork& roads, const NetworkFiles& files, co
   of_network.driving_side = options.driving_side.value_or(here.driving_side);
   of_network.speed_laws = read_speed_laws(catalogue_folder());
   of_network.speed_laws.here = options.country.empty() ? here.country : options.country;
+  of_network.road_marks = read_road_marks(catalogue_folder());
+  of_network.road_marks.here = of_network.speed_laws.here;
   if (of_network.name.empty()) of_network.name = files.network.stem().string();
   return build_network(roads, of_network, context.monitor);
 }
@@ -157,7 +159,7 @@ BuildStage network_stage(SiteBuild& build) {
                               .junction_grids = site.junction_grids,
                               .judge = true};
   return {.name = "network",
-          .version = 11,
+          .version = 12,
           .options = {{"name", site.name},
                       {"area.country", site.country},
                       {"refine.driving_side", to_string(site.driving_side)},

@@ -46,7 +46,7 @@ Vec2 place(const Road& road, double s, double t) {
 /// Corners in s and t, counter-clockwise.
 void add_piece(const Road& road, const std::array<std::array<double, 2>, 4>& corners, std::vector<MarkingPiece>& to) {
   MarkingPiece piece;
-  for (std::size_t i = 0; i < 4; ++i) piece[i] = place(road, corners[i][0], corners[i][1]);
+  for (std::size_t i = 0; i < 4; ++i) piece.corners[i] = place(road, corners[i][0], corners[i][1]);
   to.push_back(piece);
 }
 
@@ -220,7 +220,7 @@ void add_disc(const Road& road, const RoadObject& object, std::vector<MarkingPie
     const double angle = half_steps * M_PI / pieces;
     return middle + Vec2{std::cos(angle), std::sin(angle)} * (0.5 * object.length);
   };
-  for (int i = 0; i < pieces; ++i) to.push_back({middle, on_edge(2 * i), on_edge(2 * i + 1), on_edge(2 * i + 2)});
+  for (int i = 0; i < pieces; ++i) to.push_back({{middle, on_edge(2 * i), on_edge(2 * i + 1), on_edge(2 * i + 2)}});
 }
 
 }  // namespace

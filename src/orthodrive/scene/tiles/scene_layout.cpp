@@ -113,7 +113,7 @@ void add_markings(const RoadLevel& level, LevelLines& lines) {
     std::vector<MarkingPiece> pieces = road_markings(*road);
     std::ranges::move(road_paint(*road), std::back_inserter(pieces));
     for (const MarkingPiece& piece : pieces)
-      visit_tiles(piece, [&](TileAddress address) { lines.markings[address].push_back(piece); });
+      visit_tiles(piece.corners, [&](TileAddress address) { lines.markings[address].push_back(piece); });
   }
 }
 
