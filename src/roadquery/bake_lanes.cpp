@@ -7,6 +7,7 @@
 #include <string>
 
 #include "roadquery/road_surface.hpp"
+#include "roadquery/shift_cubic.hpp"
 
 namespace roadquery {
 namespace {
@@ -132,13 +133,6 @@ ShapeRow bake_row(std::span<const ShapeCubic> row, std::span<const ShapeCubic> n
 }
 
 }  // namespace
-
-void shift_cubic(const double (&p)[4], double by, double (&shifted)[4]) {
-  shifted[0] = p[0] + by * (p[1] + by * (p[2] + by * p[3]));
-  shifted[1] = p[1] + by * (2.0 * p[2] + by * 3.0 * p[3]);
-  shifted[2] = p[2] + by * 3.0 * p[3];
-  shifted[3] = p[3];
-}
 
 void bake_lanes(const Road& road, BakedRoads& baked) {
   for (std::size_t i = 0; i < road.sections.size(); ++i) {

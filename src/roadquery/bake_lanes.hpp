@@ -19,7 +19,4 @@ struct ShapeRow {
 /// Appends the pieces of a road and gives its rows, ordered by s.
 [[nodiscard]] std::vector<ShapeRow> bake_shapes(const Road& road, BakedRoads& baked);
 
-/// The cubic p(x) in powers of x - by.
-void shift_cubic(const double (&p)[4], double by, double (&shifted)[4]);
-
 }  // namespace roadquery

@@ -10,6 +10,7 @@
 #include "roadquery/overlaps.hpp"
 #include "roadquery/poly_curve.hpp"
 #include "roadquery/road_surface.hpp"
+#include "roadquery/shift_cubic.hpp"
 
 namespace roadquery {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "roadquery/bake_lanes.hpp"
+#include "roadquery/shift_cubic.hpp"
 
 namespace roadquery {
 namespace {

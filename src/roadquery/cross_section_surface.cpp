@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "roadquery/bake_lanes.hpp"
 #include "roadquery/road_surface.hpp"
+#include "roadquery/shift_cubic.hpp"
 
 namespace roadquery {
 namespace {
