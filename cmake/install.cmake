@@ -42,6 +42,7 @@ install(TARGETS roadquery_shared roadquery EXPORT roadquery
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libroadquery NAMELINK_COMPONENT libroadquery-dev
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libroadquery-dev)
 install(DIRECTORY src/roadquery DESTINATION include COMPONENT libroadquery-dev FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
+install(FILES ${ROADQUERY_HEADERS} DESTINATION include/roadquery COMPONENT libroadquery-dev)
 file(RELATIVE_PATH PREFIX_FROM_PKGCONFIG /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/roadquery.pc.in roadquery.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/roadquery.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libroadquery-dev)

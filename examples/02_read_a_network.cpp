@@ -2,7 +2,7 @@
 // What is in an OpenDRIVE file? Reads one and prints its roads by class, the elements of their reference lines, its
 // junctions, and how the longest road goes on. Links roadquery alone, which needs nothing but the standard library.
 //
-// Read first: src/roadquery/road_map.hpp (the structs), src/roadquery/road_surface.hpp (their evaluation).
+// Read first: src/roadquery/map/road_map.hpp (the structs), src/roadquery/surface/road_surface.hpp (their evaluation).
 // Next: 03_refine_one_road.cpp.
 //
 //   example_read_a_network FILE.xodr

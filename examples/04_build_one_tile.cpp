@@ -10,7 +10,7 @@
 #include <cstdio>
 
 #include "orthodrive/scene/build_scene.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 using namespace orthodrive;
 

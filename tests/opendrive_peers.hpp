@@ -11,7 +11,7 @@
 
 #include "app/run_tool.hpp"
 #include "paths.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "roadquery/crg_grid.hpp"
-#include "roadquery/road_crgs.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/crg/crg_grid.hpp"
+#include "roadquery/crg/road_crgs.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace {
 

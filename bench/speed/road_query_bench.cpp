@@ -21,7 +21,7 @@
 #include <string>
 #include <utility>
 
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace {
 

@@ -22,8 +22,8 @@
 #include <string>
 #include <unordered_map>
 
-#include "roadquery/blend.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace {
 

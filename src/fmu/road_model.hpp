@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "fmu/model.hpp"
-#include "roadquery/ground_query.hpp"
+#include "roadquery/query/ground_query.hpp"
 
 namespace fmu {
 

@@ -2,7 +2,7 @@
 #pragma once
 // What an rq_map is. For the files of the C interface alone.
 
-#include "roadquery/ground_query.hpp"
+#include "roadquery/query/ground_query.hpp"
 #include "roadquery/roadquery.h"
 
 struct rq_map {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "roadquery/c_map.hpp"
-#include "roadquery/contact_patch.hpp"
+#include "roadquery/query/contact_patch.hpp"
 
 namespace {
 

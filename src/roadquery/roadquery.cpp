@@ -10,7 +10,7 @@
 #include <new>
 
 #include "roadquery/c_map.hpp"
-#include "roadquery/speed_limits.hpp"
+#include "roadquery/roads/speed_limits.hpp"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "roadquery/number_text.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/number_text.hpp"
+#include "roadquery/text/text.hpp"
 #include "vehicle/car_geometry.hpp"
 #include "vehicle/car_table.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 #include "vehicle/ground.hpp"
 
 namespace vehicle {

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "app/run_tool.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 namespace {

@@ -7,7 +7,7 @@
 #include "network/network_support.hpp"
 #include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

@@ -17,7 +17,7 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

@@ -9,8 +9,8 @@
 #include "io/scratch.hpp"
 #include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "roadquery/lane_material.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/roads/lane_material.hpp"
 
 namespace orthodrive {
 namespace {

@@ -15,7 +15,7 @@
 #include "io/scratch.hpp"
 #include "opendrive_peers.hpp"
 #include "paths.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

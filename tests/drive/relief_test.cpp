@@ -10,7 +10,7 @@
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
 #include "orthodrive/drive/drive_route.hpp"
-#include "roadquery/road_crgs.hpp"
+#include "roadquery/crg/road_crgs.hpp"
 
 namespace orthodrive {
 namespace {

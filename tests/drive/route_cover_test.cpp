@@ -11,7 +11,7 @@
 #include "drive/cars.hpp"
 #include "drive/roads.hpp"
 #include "orthodrive/drive/drive_all_roads.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

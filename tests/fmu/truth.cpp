@@ -9,7 +9,7 @@
 #include <cstring>
 #include <iostream>
 
-#include "roadquery/ground_query.hpp"
+#include "roadquery/query/ground_query.hpp"
 #include "vehicle/car.hpp"
 #include "vehicle/read_car.hpp"
 #include "vehicle/road_ground.hpp"

@@ -26,7 +26,7 @@
 #include "orthodrive/io/vector/gpx_reader.hpp"
 #include "orthodrive/io/vector/tree_reader.hpp"
 #include "paths.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::fuzz {
 namespace {

@@ -99,8 +99,11 @@ def read_arrows(root):
 
 
 def read_folders(root):
-    """{room: its own folders in the order of their arrows}: the FOLDERS of orthodrive_library."""
+    """{room: its own folders in the order of their arrows}: the FOLDERS of orthodrive_library, or of a room beside it."""
     folders = {}
+    for file in sorted((root / "src").glob("*/CMakeLists.txt")):
+        for words in re.findall(r"set\(FOLDERS ([a-z ]+)\)", file.read_text()):
+            folders[file.parent.name] = words.split()
     for file in sorted((root / "src/orthodrive").glob("*/CMakeLists.txt")):
         for name, words in re.findall(r"orthodrive_library\((\w+)(?: COLD)? FOLDERS ([a-z ]+)", file.read_text()):
             folders[name] = words.split()
@@ -144,8 +147,8 @@ def room_of(name):
 
 def folder_of(name):
     """The folder of its room that a file lies in; empty: in the room itself."""
-    parts = name.split("/")
-    return parts[2] if len(parts) == 4 and parts[0] == "orthodrive" else ""
+    parts = name.removeprefix("orthodrive/").split("/")
+    return parts[1] if len(parts) == 3 and parts[0] != "app" else ""
 
 
 def is_upward(name, target, folders):

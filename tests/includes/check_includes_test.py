@@ -155,6 +155,16 @@ class Includes(unittest.TestCase):
             "stages comes before pipeline itself",
         )
 
+    def test_an_arrow_upwards_inside_a_room_beside_the_others(self):
+        files = {
+            "src/roadquery/CMakeLists.txt": "set(FOLDERS map query)\n",
+            "src/roadquery/query/road_query.hpp": '#include "roadquery/map/driving_side.hpp"\n',
+            "src/roadquery/map/driving_side.hpp": "\n",
+        }
+        self.assertEqual(self.findings(files=files), [])
+        files["src/roadquery/map/driving_side.cpp"] = '#include "roadquery/query/road_query.hpp"\n'
+        self.assertIn("map comes before query", "".join(self.findings(files=files)))
+
     def test_a_folder_of_a_room_that_is_not_listed(self):
         self.expect("src/orthodrive/pipeline/more/part.hpp", "\n", "FOLDERS and the folder more do not agree")
 

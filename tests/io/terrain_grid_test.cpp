@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What io writes for simulators is what the road query, and GDAL, read.
 
-#include "roadquery/terrain_grid.hpp"
+#include "roadquery/query/terrain_grid.hpp"
 
 #include <gtest/gtest.h>
 

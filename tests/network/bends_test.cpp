@@ -8,7 +8,7 @@
 #include "network_support.hpp"
 #include "orthodrive/network/line/chain_line.hpp"
 #include "orthodrive/network/line/lay_bends.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

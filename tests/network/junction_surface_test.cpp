@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of junctions from exact truth: planes, slopes, crowns, arms that disagree, and what must hold for all.
 
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@
 #include "orthodrive/network/junctions/fit_junction_surfaces.hpp"
 #include "orthodrive/network/junctions/junction_area.hpp"
 #include "orthodrive/network/junctions/junction_field.hpp"
-#include "roadquery/junction_surface_text.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/opendrive/junction_surface_text.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "network_support.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive {
 namespace {

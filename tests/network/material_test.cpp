@@ -9,7 +9,7 @@
 #include "orthodrive/io/opendrive/opendrive_io.hpp"
 #include "orthodrive/network/crg/sample_friction.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/lane_material.hpp"
+#include "roadquery/roads/lane_material.hpp"
 
 namespace orthodrive {
 namespace {

@@ -8,7 +8,7 @@
 #include "network_support.hpp"
 #include "orthodrive/network/paint/mini_roundabout_marks.hpp"
 #include "orthodrive/network/paint/waiting_lines.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

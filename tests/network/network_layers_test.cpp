@@ -12,9 +12,9 @@
 #include "network_support.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "roadquery/lane_type_name.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/lane_type_name.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "orthodrive/network/build_network.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network_test {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "network_support.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

@@ -15,7 +15,7 @@
 #include "io/scratch.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/network/build_network.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 #include "sanitized.hpp"
 
 namespace orthodrive {

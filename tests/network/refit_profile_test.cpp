@@ -8,8 +8,8 @@
 #include <cmath>
 #include <functional>
 
-#include "roadquery/junction_surface.hpp"
 #include "roadquery/make_road.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

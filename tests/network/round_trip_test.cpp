@@ -14,8 +14,8 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive/opendrive_io.hpp"
 #include "orthodrive/io/opendrive/opendrive_junction.hpp"
-#include "roadquery/junction_surface.hpp"
 #include "roadquery/make_road.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive {
 namespace {

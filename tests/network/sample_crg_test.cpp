@@ -12,8 +12,8 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

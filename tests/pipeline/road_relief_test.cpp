@@ -15,9 +15,9 @@
 #include "io/scratch.hpp"
 #include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "orthodrive/io/support/vector_io.hpp"
-#include "roadquery/road_crgs.hpp"
-#include "roadquery/road_query.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/crg/road_crgs.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "paths.hpp"
-#include "roadquery/blend.hpp"
 #include "roadquery/count_allocations.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace roadquery {
 namespace {

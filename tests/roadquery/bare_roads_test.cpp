@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "roadquery/bare_roads.hpp"
+#include "roadquery/roads/bare_roads.hpp"
 
 #include <gtest/gtest.h>
 
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace roadquery {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mean plane under a rectangle.
 
-#include "roadquery/contact_patch.hpp"
+#include "roadquery/query/contact_patch.hpp"
 
 #include <gtest/gtest.h>
 

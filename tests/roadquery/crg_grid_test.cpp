@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenCRG files made ready for the query: against a real peer, closed forms and the files' own numbers.
 
-#include "roadquery/crg_grid.hpp"
+#include "roadquery/crg/crg_grid.hpp"
 
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "paths.hpp"
-#include "roadquery/read_crg.hpp"
+#include "roadquery/crg/read_crg.hpp"
 
 namespace roadquery {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include "roadquery/junction_index.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/tables/junction_index.hpp"
 
 namespace roadquery {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/opendrive_elements.md says of every element what roadquery/element_table has.
+// docs/opendrive_elements.md says of every element what opendrive/element_table has.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "paths.hpp"
-#include "roadquery/element_table.hpp"
+#include "roadquery/opendrive/element_table.hpp"
 
 namespace roadquery {
 namespace {

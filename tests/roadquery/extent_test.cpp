@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery {
 namespace {

@@ -11,11 +11,11 @@
 #include <limits>
 #include <string>
 
-#include "roadquery/ground_query.hpp"
-#include "roadquery/poly_curve.hpp"
-#include "roadquery/road_structures.hpp"
+#include "roadquery/query/ground_query.hpp"
 #include "roadquery/roadquery.h"
-#include "roadquery/speed_limits.hpp"
+#include "roadquery/roads/road_structures.hpp"
+#include "roadquery/roads/speed_limits.hpp"
+#include "roadquery/surface/poly_curve.hpp"
 
 namespace roadquery {
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "make_road.hpp"
-#include "roadquery/ground_query.hpp"
+#include "roadquery/query/ground_query.hpp"
 
 namespace roadquery {
 namespace {

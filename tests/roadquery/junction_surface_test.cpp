@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of a junction as exact functions: planes, quadratic fields, arms with a crown.
 
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "roadquery/make_road.hpp"
-#include "roadquery/short_ways.hpp"
+#include "roadquery/surface/short_ways.hpp"
 
 namespace roadquery {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace roadquery {
 namespace {

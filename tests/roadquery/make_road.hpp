@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery::test {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "roadquery/lane_material.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
+#include "roadquery/roads/lane_material.hpp"
 
 namespace {
 

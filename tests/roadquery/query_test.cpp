@@ -7,7 +7,7 @@
 #include <random>
 
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace roadquery {
 namespace {

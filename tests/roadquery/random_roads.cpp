@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "roadquery/poly_curve.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/poly_curve.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "roadquery/dice.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace roadquery::test {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "paths.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace roadquery {
 namespace {

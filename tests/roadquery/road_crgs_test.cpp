@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenCRG files laid on roads: every mode against its formula in OpenDRIVE (1.9, 10.6.1), and what is refused.
 
-#include "roadquery/road_crgs.hpp"
+#include "roadquery/crg/road_crgs.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,9 +14,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "roadquery/crg/read_crg.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/read_crg.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace roadquery {
 namespace {

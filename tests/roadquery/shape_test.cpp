@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <set>
 
-#include "roadquery/poly_curve.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/poly_curve.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery::test {
 namespace {

@@ -11,10 +11,10 @@
 #include <tuple>
 #include <vector>
 
-#include "roadquery/level_lanes.hpp"
-#include "roadquery/road_query.hpp"
-#include "roadquery/road_structures.hpp"
-#include "roadquery/speed_limits.hpp"
+#include "roadquery/opendrive/level_lanes.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/roads/road_structures.hpp"
+#include "roadquery/roads/speed_limits.hpp"
 #include "roadquery/spell_opendrive.hpp"
 #include "sanitized.hpp"
 

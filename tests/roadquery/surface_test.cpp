@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery {
 namespace {

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "roadquery/junction_surface.hpp"
 #include "roadquery/make_road.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace roadquery {
 namespace {

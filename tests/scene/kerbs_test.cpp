@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {

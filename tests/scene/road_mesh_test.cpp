@@ -9,7 +9,7 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/plan/triangulate.hpp"
 #include "orthodrive/scene/roads/crossing_roads.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {

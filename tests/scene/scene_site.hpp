@@ -17,7 +17,7 @@
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/scene/structures/structures.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene_test {
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "lane_strips.hpp"
-#include "roadquery/opendrive_builder.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/opendrive/opendrive_builder.hpp"
+#include "roadquery/query/road_query.hpp"
 #include "vehicle/car.hpp"
 #include "vehicle/parse_car.hpp"
 #include "vehicle/road_ground.hpp"

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 /// One strip after the other: the lane's type (roadquery::LaneType), its road's junction (-1: none), how many pairs of
 /// places follow, then x, y, z of the inner and the outer border of each, less the origin; m.

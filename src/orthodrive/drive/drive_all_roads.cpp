@@ -8,7 +8,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/drive/line/lane_path.hpp"
 #include "orthodrive/drive/routes/route_cover.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

@@ -14,7 +14,7 @@
 #include "orthodrive/drive/car/steering_limits.hpp"
 #include "orthodrive/drive/lap_recorder.hpp"
 #include "orthodrive/drive/line/line_ends.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 namespace {

@@ -13,7 +13,7 @@
 #include "orthodrive/drive/car/envelope_table.hpp"
 #include "orthodrive/drive/line/driving_line.hpp"
 #include "orthodrive/drive/routes/route.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 #include "vehicle/car.hpp"
 
 namespace orthodrive {

@@ -7,7 +7,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/polyline.hpp"
-#include "roadquery/surface_class.hpp"
+#include "roadquery/map/surface_class.hpp"
 
 namespace orthodrive {
 

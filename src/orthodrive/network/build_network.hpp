@@ -10,7 +10,7 @@
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/network/junctions/fit_junction_surfaces.hpp"
 #include "orthodrive/network/line/network_options.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -12,7 +12,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/remote/xml_text.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

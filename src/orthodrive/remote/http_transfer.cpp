@@ -10,7 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 

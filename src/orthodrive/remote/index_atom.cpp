@@ -9,7 +9,7 @@
 #include "orthodrive/remote/atom_feed.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
 #include "orthodrive/remote/url_template.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

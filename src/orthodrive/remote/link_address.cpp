@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "orthodrive/remote/url_template.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -12,7 +12,7 @@
 #include "orthodrive/remote/link_address.hpp"
 #include "orthodrive/remote/sheet.hpp"
 #include "orthodrive/remote/xml_text.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

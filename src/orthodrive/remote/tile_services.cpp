@@ -10,7 +10,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/crs_facts.hpp"
 #include "orthodrive/remote/url_template.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 namespace {

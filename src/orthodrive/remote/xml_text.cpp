@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "orthodrive/core/printable.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {
 

@@ -9,7 +9,7 @@
 
 #include "orthodrive/core/escape_xml.hpp"
 #include "orthodrive/report/svg_plot.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 #include "vehicle/envelope.hpp"
 
 namespace orthodrive {

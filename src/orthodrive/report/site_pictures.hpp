@@ -7,7 +7,7 @@
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "orthodrive/report/canvas.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

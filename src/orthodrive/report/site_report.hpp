@@ -12,7 +12,7 @@
 #include "orthodrive/model/rasters/raster_source.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/report/html.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

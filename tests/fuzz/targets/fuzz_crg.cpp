@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "memory_file.hpp"
-#include "roadquery/crg_grid.hpp"
-#include "roadquery/read_crg.hpp"
+#include "roadquery/crg/crg_grid.hpp"
+#include "roadquery/crg/read_crg.hpp"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "memory_file.hpp"
-#include "roadquery/road_crgs.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/crg/road_crgs.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "memory_file.hpp"
-#include "roadquery/terrain_grid.hpp"
+#include "roadquery/query/terrain_grid.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::MemoryFile file;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/drive/line/axle_line.hpp"
-#include "roadquery/blend.hpp"
+#include "roadquery/surface/blend.hpp"
 #include "vehicle/suspension.hpp"
 
 namespace orthodrive {

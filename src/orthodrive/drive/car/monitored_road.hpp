@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "roadquery/blend.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/blend.hpp"
 #include "vehicle/ground.hpp"
 
 namespace orthodrive {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "roadquery/road_surface.hpp"
-#include "roadquery/speed_limits.hpp"
+#include "roadquery/roads/speed_limits.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "orthodrive/drive/routes/route.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 

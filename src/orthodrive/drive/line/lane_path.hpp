@@ -7,7 +7,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/drive/routes/route.hpp"
 #include "orthodrive/geo/polyline.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "orthodrive/drive/line/axle_line.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

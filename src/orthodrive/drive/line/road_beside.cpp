@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "roadquery/blend.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace orthodrive {
 namespace {

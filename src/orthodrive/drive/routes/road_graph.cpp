@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <queue>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

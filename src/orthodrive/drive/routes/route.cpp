@@ -17,8 +17,8 @@
 #include "orthodrive/drive/routes/road_graph.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "roadquery/road_surface.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/surface/road_surface.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

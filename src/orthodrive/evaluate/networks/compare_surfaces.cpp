@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

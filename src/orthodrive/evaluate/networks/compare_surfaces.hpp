@@ -2,7 +2,7 @@
 #pragma once
 // How far the surfaces of two versions of a network lie apart, e.g. of one built and of its file read back.
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

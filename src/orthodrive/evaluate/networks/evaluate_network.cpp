@@ -16,7 +16,7 @@
 #include "orthodrive/evaluate/networks/measure_clearance.hpp"
 #include "orthodrive/evaluate/networks/road_ends.hpp"
 #include "orthodrive/geo/angle.hpp"
-#include "roadquery/surface_gradient.hpp"
+#include "roadquery/surface/surface_gradient.hpp"
 
 namespace orthodrive {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

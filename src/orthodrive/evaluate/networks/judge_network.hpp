@@ -11,7 +11,7 @@
 
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/core/shared_loop.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <unordered_map>
 
-#include "roadquery/road_map.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/road_map.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::evaluate {
 

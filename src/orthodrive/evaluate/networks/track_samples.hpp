@@ -8,7 +8,7 @@
 
 #include "orthodrive/evaluate/networks/judge_network.hpp"
 #include "orthodrive/evaluate/networks/lane_pieces.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::evaluate {
 

@@ -11,7 +11,7 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/scene.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive {
 

@@ -18,7 +18,7 @@
 #include "orthodrive/core/median.hpp"
 #include "orthodrive/io/support/gdal_support.hpp"
 #include "orthodrive/io/support/npy_reader.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;

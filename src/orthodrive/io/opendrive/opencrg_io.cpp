@@ -14,7 +14,7 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "roadquery/read_crg.hpp"
+#include "roadquery/crg/read_crg.hpp"
 
 namespace orthodrive::io {
 namespace {

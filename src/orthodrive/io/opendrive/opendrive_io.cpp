@@ -13,11 +13,11 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive/opendrive_junction.hpp"
-#include "roadquery/connecting_road.hpp"
-#include "roadquery/junction_surface.hpp"
-#include "roadquery/junction_surface_text.hpp"
-#include "roadquery/lane_type_name.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/lane_type_name.hpp"
+#include "roadquery/opendrive/junction_surface_text.hpp"
+#include "roadquery/roads/connecting_road.hpp"
+#include "roadquery/surface/junction_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::io {
 namespace {

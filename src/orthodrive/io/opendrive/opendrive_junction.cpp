@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <unordered_map>
 
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::io {
 namespace {

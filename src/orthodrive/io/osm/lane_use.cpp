@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 namespace {

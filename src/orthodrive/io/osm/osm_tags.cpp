@@ -13,7 +13,7 @@
 #include "orthodrive/io/osm/osm_structure_tags.hpp"
 #include "orthodrive/io/osm/tag_rules.hpp"
 #include "orthodrive/model/roads/traffic_calming.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 namespace {

@@ -11,7 +11,7 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/raster/raster_support.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 

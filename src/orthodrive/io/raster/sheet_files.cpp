@@ -10,7 +10,7 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/raster/opened_rasters.hpp"
 #include "orthodrive/io/support/zip_entries.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 namespace {

@@ -23,7 +23,7 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/geo/vec.hpp"
 #include "orthodrive/io/support/osm_text.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 

@@ -12,8 +12,8 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/geojson_support.hpp"
 #include "orthodrive/io/support/ogr_support.hpp"
-#include "roadquery/lane_type_name.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/lane_type_name.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::io {
 namespace {

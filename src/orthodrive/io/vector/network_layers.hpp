@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::io {
 

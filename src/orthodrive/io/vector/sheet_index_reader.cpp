@@ -13,7 +13,7 @@
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/support/ogr_support.hpp"
 #include "orthodrive/io/support/zip_entries.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/crg.hpp"
+#include "roadquery/crg/crg.hpp"
 
 namespace orthodrive {
 

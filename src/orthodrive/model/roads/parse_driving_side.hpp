@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "orthodrive/core/error.hpp"
-#include "roadquery/driving_side.hpp"
+#include "roadquery/map/driving_side.hpp"
 
 namespace orthodrive {
 

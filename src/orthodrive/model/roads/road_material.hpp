@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "roadquery/surface_class.hpp"
+#include "roadquery/map/surface_class.hpp"
 
 namespace orthodrive {
 

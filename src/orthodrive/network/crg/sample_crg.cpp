@@ -8,7 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/angle.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

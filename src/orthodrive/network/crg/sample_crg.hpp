@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "orthodrive/model/roads/crg_geometry.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "roadquery/lane_material.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/roads/lane_material.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

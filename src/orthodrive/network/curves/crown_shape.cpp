@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "orthodrive/network/curves/fit_profile.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

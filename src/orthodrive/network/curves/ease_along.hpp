@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -16,8 +16,8 @@
 #include "orthodrive/network/curves/clothoid_chain.hpp"
 #include "orthodrive/network/curves/cubic_plan.hpp"
 #include "orthodrive/network/curves/smooth_points.hpp"
-#include "roadquery/poly_curve.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/poly_curve.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -6,7 +6,7 @@
 #include "orthodrive/model/archived_fields.hpp"
 #include "orthodrive/network/junctions/junction_members.hpp"
 #include "orthodrive/network/line/chain_geometry.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace roadquery {
 

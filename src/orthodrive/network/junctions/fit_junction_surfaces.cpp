@@ -17,7 +17,7 @@
 #include "orthodrive/network/junctions/junction_members.hpp"
 #include "orthodrive/network/junctions/junction_nodes.hpp"
 #include "orthodrive/network/junctions/refit_profile.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

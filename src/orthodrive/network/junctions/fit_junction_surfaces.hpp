@@ -8,7 +8,7 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/geo/polygon.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "orthodrive/math/normal_matrix.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -8,8 +8,8 @@
 #include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "roadquery/blend.hpp"
-#include "roadquery/short_ways.hpp"
+#include "roadquery/surface/blend.hpp"
+#include "roadquery/surface/short_ways.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -8,8 +8,8 @@
 #include "orthodrive/math/cholesky.hpp"
 #include "orthodrive/math/cubic_spline.hpp"
 #include "orthodrive/network/junctions/road_cover.hpp"
-#include "roadquery/junction_surface.hpp"
-#include "roadquery/surface_gradient.hpp"
+#include "roadquery/surface/junction_surface.hpp"
+#include "roadquery/surface/surface_gradient.hpp"
 
 namespace orthodrive::network {
 namespace {

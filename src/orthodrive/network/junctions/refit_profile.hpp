@@ -2,7 +2,7 @@
 #pragma once
 // The profile of a connecting road that lies on its junction's surface, for readers that know roads alone.
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 

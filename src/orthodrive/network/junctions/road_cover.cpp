@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

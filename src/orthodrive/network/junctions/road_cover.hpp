@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "orthodrive/geo/polygon.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "roadquery/blend.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/blend.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 

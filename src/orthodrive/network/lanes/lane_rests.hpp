@@ -6,7 +6,7 @@
 
 #include "orthodrive/model/roads/parse_driving_side.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -14,7 +14,7 @@
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/network/curves/fit_profile.hpp"
 #include "orthodrive/network/lanes/lane_rests.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/network/lanes/sidewalk_lanes.hpp"
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 

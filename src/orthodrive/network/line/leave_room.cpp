@@ -6,7 +6,7 @@
 #include <map>
 
 #include "orthodrive/network/line/road_sections.hpp"
-#include "roadquery/blend.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "roadquery/blend.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

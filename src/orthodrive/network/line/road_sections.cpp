@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/blend.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/blend.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

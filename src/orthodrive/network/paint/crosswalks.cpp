@@ -10,7 +10,7 @@
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/junctions/road_cover.hpp"
 #include "orthodrive/network/paint/line_finder.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -3,7 +3,7 @@
 // Lines along roads in the colours and with the strokes of a country.
 
 #include "orthodrive/model/roads/road_mark_rules.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

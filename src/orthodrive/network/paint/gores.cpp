@@ -10,7 +10,7 @@
 
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/paint/waiting_lines.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

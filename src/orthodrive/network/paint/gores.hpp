@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "orthodrive/network/line/network_plan.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

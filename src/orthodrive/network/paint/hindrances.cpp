@@ -11,7 +11,7 @@
 #include "orthodrive/model/roads/road_barriers.hpp"
 #include "orthodrive/model/roads/traffic_calming.hpp"
 #include "orthodrive/network/paint/line_finder.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

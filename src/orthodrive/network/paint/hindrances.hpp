@@ -7,7 +7,7 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/network/line/network_plan.hpp"
 #include "orthodrive/network/line/raise_humps.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -7,7 +7,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/network/topology/mini_roundabouts.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

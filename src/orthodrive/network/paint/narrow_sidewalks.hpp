@@ -2,7 +2,7 @@
 #pragma once
 // Sidewalks leave the carriageways of other roads to them.
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

@@ -12,7 +12,7 @@
 #include "orthodrive/geo/angle.hpp"
 #include "orthodrive/network/junctions/roads_over.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -3,7 +3,7 @@
 // Kerbs of race tracks.
 
 #include "orthodrive/model/roads/road_material.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

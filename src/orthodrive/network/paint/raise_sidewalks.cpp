@@ -8,7 +8,7 @@
 
 #include "orthodrive/network/junctions/roads_over.hpp"
 #include "orthodrive/network/lanes/sidewalk_lanes.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

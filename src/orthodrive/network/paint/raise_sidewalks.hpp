@@ -2,7 +2,7 @@
 #pragma once
 // Kerbs: how high sidewalks lie over the carriageway.
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::network {
 

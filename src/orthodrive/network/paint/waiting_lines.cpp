@@ -9,7 +9,7 @@
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

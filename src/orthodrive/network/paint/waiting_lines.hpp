@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "orthodrive/network/line/network_plan.hpp"
-#include "roadquery/road_map.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/road_map.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 

@@ -19,8 +19,8 @@
 #include "orthodrive/network/line/connecting_line.hpp"
 #include "orthodrive/network/roads/road_parts.hpp"
 #include "orthodrive/network/roads/turn_rules.hpp"
-#include "roadquery/junction_surface.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -10,7 +10,7 @@
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/line/road_cuts.hpp"
 #include "orthodrive/network/roads/road_parts.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

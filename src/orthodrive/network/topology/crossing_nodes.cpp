@@ -11,7 +11,7 @@
 
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_crossings.hpp"
-#include "roadquery/blend.hpp"
+#include "roadquery/surface/blend.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -9,7 +9,7 @@
 #include "orthodrive/core/find_resource.hpp"
 #include "orthodrive/io/opendrive/fmu_io.hpp"
 #include "orthodrive/pipeline/files/read_network.hpp"
-#include "roadquery/ground_query.hpp"
+#include "roadquery/query/ground_query.hpp"
 #include "vehicle/read_car.hpp"
 
 namespace orthodrive {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "orthodrive/core/finding.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

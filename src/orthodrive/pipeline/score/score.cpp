@@ -19,7 +19,7 @@
 #include "orthodrive/pipeline/score/network_verdict.hpp"
 #include "orthodrive/pipeline/score/road_layers.hpp"
 #include "orthodrive/report/label_report.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "roadquery/bare_roads.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/roads/bare_roads.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "orthodrive/core/finding.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

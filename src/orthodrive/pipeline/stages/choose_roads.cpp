@@ -8,7 +8,7 @@
 #include <charconv>
 
 #include "orthodrive/core/error.hpp"
-#include "roadquery/text.hpp"
+#include "roadquery/text/text.hpp"
 
 namespace orthodrive {
 namespace {

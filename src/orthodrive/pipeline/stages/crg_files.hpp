@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/model/roads/crg_geometry.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -8,7 +8,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/segment.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace {

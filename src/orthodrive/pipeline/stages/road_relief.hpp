@@ -8,7 +8,7 @@
 
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/model/roads/road_roughness.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

@@ -17,9 +17,9 @@
 #include "orthodrive/report/lap_exchange.hpp"
 #include "orthodrive/report/lap_report.hpp"
 #include "orthodrive/report/lap_table.hpp"
-#include "roadquery/road_crgs.hpp"
-#include "roadquery/road_query.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/crg/road_crgs.hpp"
+#include "roadquery/query/road_query.hpp"
+#include "roadquery/surface/road_surface.hpp"
 #include "vehicle/read_car.hpp"
 
 namespace orthodrive {

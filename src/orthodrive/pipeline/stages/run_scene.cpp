@@ -29,8 +29,8 @@
 #include "orthodrive/scene/ground/terrain_windows.hpp"
 #include "orthodrive/scene/look/surface_texture.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
-#include "roadquery/road_structures.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/roads/road_structures.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;

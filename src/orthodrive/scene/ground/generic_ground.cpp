@@ -12,8 +12,8 @@
 #include "orthodrive/model/rasters/raster_source.hpp"
 #include "orthodrive/scene/roads/crossing_roads.hpp"
 #include "orthodrive/scene/roads/road_tint.hpp"
-#include "roadquery/lane_material.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/roads/lane_material.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

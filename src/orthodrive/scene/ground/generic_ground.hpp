@@ -7,7 +7,7 @@
 #include "orthodrive/model/building.hpp"
 #include "orthodrive/model/map_surroundings.hpp"
 #include "orthodrive/model/rasters/photo_source.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::scene {
 

@@ -10,7 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/scene/roads/crossing_roads.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

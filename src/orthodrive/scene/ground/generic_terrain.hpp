@@ -13,7 +13,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/rasters/rasters.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::scene {
 

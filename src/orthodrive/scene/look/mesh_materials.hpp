@@ -8,7 +8,7 @@
 
 #include "orthodrive/model/rasters/srgb.hpp"
 #include "orthodrive/model/scene.hpp"
-#include "roadquery/surface_class.hpp"
+#include "roadquery/map/surface_class.hpp"
 
 namespace orthodrive::scene {
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "orthodrive/geo/spatial_index.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

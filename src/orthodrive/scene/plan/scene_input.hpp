@@ -10,7 +10,7 @@
 #include "orthodrive/model/map_surroundings.hpp"
 #include "orthodrive/model/rasters/raster_source.hpp"
 #include "orthodrive/model/rasters/rasters.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive {
 

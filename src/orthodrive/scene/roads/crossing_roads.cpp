@@ -11,7 +11,7 @@
 #include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

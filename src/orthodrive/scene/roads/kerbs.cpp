@@ -6,7 +6,7 @@
 
 #include "orthodrive/scene/look/mesh_materials.hpp"
 #include "orthodrive/scene/plan/drape.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/model/scene.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::scene {
 

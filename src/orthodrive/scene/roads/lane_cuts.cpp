@@ -7,7 +7,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

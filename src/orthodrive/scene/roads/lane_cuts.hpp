@@ -7,7 +7,7 @@
 #include "orthodrive/geo/polyline.hpp"
 #include "orthodrive/scene/roads/road_joints.hpp"
 #include "orthodrive/scene/roads/road_strip.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::scene {
 

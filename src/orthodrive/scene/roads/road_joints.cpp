@@ -9,7 +9,7 @@
 #include "orthodrive/geo/segment.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
 #include "orthodrive/scene/roads/lane_cuts.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

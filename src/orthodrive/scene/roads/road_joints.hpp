@@ -13,7 +13,7 @@
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::scene {
 

@@ -13,8 +13,8 @@
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/segment.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
-#include "roadquery/junction_surface.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/junction_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

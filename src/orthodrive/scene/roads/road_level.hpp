@@ -10,7 +10,7 @@
 #include "orthodrive/scene/plan/outline.hpp"
 #include "orthodrive/scene/roads/road_joints.hpp"
 #include "orthodrive/scene/roads/road_strip.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::scene {
 

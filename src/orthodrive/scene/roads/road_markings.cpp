@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "orthodrive/geo/vec.hpp"
 #include "orthodrive/model/rasters/srgb.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/map/road_map.hpp"
 
 namespace orthodrive::scene {
 

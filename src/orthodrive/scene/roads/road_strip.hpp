@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::scene {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "orthodrive/scene/look/mesh_materials.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

@@ -16,7 +16,7 @@
 #include "orthodrive/scene/roads/lane_cuts.hpp"
 #include "orthodrive/scene/roads/road_paint.hpp"
 #include "orthodrive/scene/roads/tile_crossings.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive {
 namespace scene {

@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "roadquery/lane_type_name.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/map/lane_type_name.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {

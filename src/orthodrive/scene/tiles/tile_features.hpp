@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "orthodrive/model/scene.hpp"
-#include "roadquery/road_query.hpp"
+#include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::scene {
 

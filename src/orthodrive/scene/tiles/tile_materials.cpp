@@ -8,7 +8,7 @@
 
 #include "orthodrive/scene/look/mesh_materials.hpp"
 #include "orthodrive/scene/look/surface_texture.hpp"
-#include "roadquery/road_surface.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {
