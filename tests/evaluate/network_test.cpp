@@ -127,6 +127,17 @@ TEST(EvaluateNetwork, a_junction_has_to_know_the_roads_that_lead_to_it) {
   EXPECT_EQ(evaluate_network(map).broken_links, 0u) << "a direct junction names the linked road";
 }
 
+TEST(EvaluateNetwork, links_that_lead_nowhere_are_those_that_the_reader_notes) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}, .junctions = {{.id = 9}}};
+  map.roads[0].successor = {LinkKind::junction, 8, {}};
+  EXPECT_EQ(evaluate_network(map).broken_links, 1u) << "no such junction";
+  map.roads[0].successor = {};
+  map.junctions[0].connections = {{.id = 0, .incoming_road = 1, .connecting_road = 7}};
+  EXPECT_EQ(evaluate_network(map).broken_links, 1u) << "no such road";
+  map.junctions[0].connections = {{.id = 0, .incoming_road = 0, .connecting_road = 2}};
+  EXPECT_EQ(evaluate_network(map).broken_links, 0u) << "a virtual junction has connections without an incoming road";
+}
+
 TEST(EvaluateNetwork, lane_links_have_to_agree) {
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}};
   link(map.roads[0], map.roads[1]);

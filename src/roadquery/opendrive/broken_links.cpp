@@ -1,32 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "roadquery/opendrive/broken_links.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <set>
-#include <string>
-#include <unordered_map>
+#include <utility>
+
+#include "roadquery/roads/road_ends.hpp"
 
 namespace roadquery {
 namespace {
 
-bool has_lane(const LaneSection& section, int id) {
-  if (id == 0) return true;
-  const std::vector<Lane>& side = id > 0 ? section.left : section.right;
-  return std::any_of(side.begin(), side.end(), [id](const Lane& lane) { return lane.id == id; });
-}
+bool has_lane(const LaneSection& section, int id) { return id == 0 || find_lane(section, id) != nullptr; }
 
 class Links {
  public:
-  Links(const RoadMap& map, NoteList& notes) : notes_(notes) {
-    roads_.reserve(map.roads.size());
-    for (const Road& road : map.roads) roads_.emplace(road.id, &road);
+  explicit Links(const RoadMap& map) : map_(map), by_id_(map) {
     for (const Junction& junction : map.junctions) junctions_.insert(junction.id);
+    for (const Road& road : map.roads) check(road);
+    for (const Junction& junction : map.junctions) check(junction);
   }
+  std::vector<BrokenLink> take() { return std::move(broken_); }
 
+ private:
   void check(const Road& road) {
-    check_end(road, road.predecessor, 0.0);
-    check_end(road, road.successor, road.length);
+    check_end({&road, ContactPoint::start});
+    check_end({&road, ContactPoint::end});
     for (std::size_t i = 0; i < road.sections.size(); ++i) {
       const bool first = i == 0, last = i + 1 == road.sections.size();
       const LaneSection* before = first ? neighbour(road.predecessor) : &road.sections[i - 1];
@@ -45,63 +43,69 @@ class Links {
       const Road* incoming = find(connection.incoming_road);
       // 0 stands for no incoming road, too, as virtual junctions have it.
       if (via == nullptr || (incoming == nullptr && connection.incoming_road != 0)) {
-        add("connections of junctions name a <road> that the file does not have: they lead nowhere",
-            {via        ? via->id
-             : incoming ? incoming->id
-                        : -1,
-             0.0});
+        add(BrokenLink::Kind::connection, via ? via->id : incoming ? incoming->id : -1, 0.0);
         continue;
       }
-      const LaneSection& entry =
-          connection.contact == ContactPoint::start ? via->sections.front() : via->sections.back();
+      const LaneSection& entry = RoadEnd{via, connection.contact}.section();
       for (const LaneLink& link : connection.lane_links) {
         const bool left = incoming == nullptr || has_lane(incoming->sections.front(), link.from) ||
                           has_lane(incoming->sections.back(), link.from);
-        if (!left || !has_lane(entry, link.to)) add_lane({via->id, 0.0});
+        if (!left || !has_lane(entry, link.to)) add(BrokenLink::Kind::lane, via->id, 0.0);
       }
     }
   }
 
- private:
   [[nodiscard]] const Road* find(int id) const {
-    const auto found = roads_.find(id);
-    return found == roads_.end() ? nullptr : found->second;
+    const auto found = by_id_.find(id);
+    return found ? &map_.roads[*found] : nullptr;
   }
 
   /// The lanes behind an end of a road: none where a junction is, or nothing.
   [[nodiscard]] const LaneSection* neighbour(const RoadLink& link) const {
     const Road* road = link.kind == LinkKind::road ? find(link.id) : nullptr;
-    if (road == nullptr) return nullptr;
-    return link.contact == ContactPoint::start ? &road->sections.front() : &road->sections.back();
+    return road == nullptr ? nullptr : &RoadEnd{road, link.contact}.section();
   }
 
-  void check_end(const Road& road, const RoadLink& link, double s) {
-    if (link.kind == LinkKind::road && find(link.id) == nullptr)
-      add("links of roads name a <road> that the file does not have: they lead nowhere", {road.id, s});
+  void check_end(const RoadEnd& end) {
+    const RoadLink& link = end.link();
+    if (link.kind == LinkKind::road && find(link.id) == nullptr) add(BrokenLink::Kind::road, end.road->id, end.s());
     if (link.kind == LinkKind::junction && !junctions_.contains(link.id))
-      add("links of roads name a <junction> that the file does not have: they lead nowhere", {road.id, s});
+      add(BrokenLink::Kind::junction, end.road->id, end.s());
   }
 
   void check_lane(const Road& road, const LaneSection* beyond, const std::optional<int>& linked, double s) {
-    if (beyond != nullptr && linked && !has_lane(*beyond, *linked)) add_lane({road.id, s});
+    if (beyond != nullptr && linked && !has_lane(*beyond, *linked)) add(BrokenLink::Kind::lane, road.id, s);
   }
 
-  void add_lane(NotePlace place) {
-    add("links of lanes name a <lane> that is not on the other side: they lead nowhere", place);
-  }
-  void add(const char* what, NotePlace place) { notes_.add("opendrive.broken_link", what, true, place); }
+  void add(BrokenLink::Kind kind, int road, double s) { broken_.push_back({kind, {road, s}}); }
 
-  NoteList& notes_;
-  std::unordered_map<int, const Road*> roads_;
+  const RoadMap& map_;
+  RoadsById by_id_;
   std::set<int> junctions_;
+  std::vector<BrokenLink> broken_;
 };
+
+const char* what_of(BrokenLink::Kind kind) {
+  switch (kind) {
+    case BrokenLink::Kind::road:
+      return "links of roads name a <road> that the file does not have: they lead nowhere";
+    case BrokenLink::Kind::junction:
+      return "links of roads name a <junction> that the file does not have: they lead nowhere";
+    case BrokenLink::Kind::connection:
+      return "connections of junctions name a <road> that the file does not have: they lead nowhere";
+    case BrokenLink::Kind::lane:
+      break;
+  }
+  return "links of lanes name a <lane> that is not on the other side: they lead nowhere";
+}
 
 }  // namespace
 
+std::vector<BrokenLink> broken_links(const RoadMap& map) { return Links(map).take(); }
+
 void note_broken_links(const RoadMap& map, NoteList& notes) {
-  Links links(map, notes);
-  for (const Road& road : map.roads) links.check(road);
-  for (const Junction& junction : map.junctions) links.check(junction);
+  for (const BrokenLink& link : broken_links(map))
+    notes.add("opendrive.broken_link", what_of(link.kind), true, link.where);
 }
 
 }  // namespace roadquery

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "roadquery/roads/road_ends.hpp"
 #include "roadquery/surface/shift_cubic.hpp"
 
 namespace roadquery {
@@ -50,13 +51,6 @@ void begin_section_at_0(Road& road, NoteList& notes) {
       move(lane.speeds, &SpeedLimit::s), move(lane.marks, &RoadMark::s_offset);
     }
   move(section.center.marks, &RoadMark::s_offset);
-}
-
-const Lane* find_lane(const LaneSection& section, int id) {
-  for (const auto* side : {&section.left, &section.right})
-    for (const Lane& lane : *side)
-      if (lane.id == id) return &lane;
-  return nullptr;
 }
 
 /// Links of `section` to lanes of `gone` lead to where those led.

@@ -12,20 +12,22 @@
 
 #include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/evaluate/labels/no_value.hpp"
+#include "orthodrive/evaluate/networks/inner_border.hpp"
 #include "orthodrive/evaluate/networks/lane_links.hpp"
 #include "orthodrive/evaluate/networks/measure_clearance.hpp"
-#include "orthodrive/evaluate/networks/road_ends.hpp"
 #include "orthodrive/geo/angle.hpp"
+#include "roadquery/opendrive/broken_links.hpp"
+#include "roadquery/roads/road_ends.hpp"
 #include "roadquery/surface/surface_gradient.hpp"
 
 namespace orthodrive {
 namespace {
-using evaluate::RoadEnd;
-using evaluate::RoadsById;
 using roadquery::ContactPoint;
 using roadquery::LinkKind;
 using roadquery::Road;
+using roadquery::RoadEnd;
 using roadquery::RoadMap;
+using roadquery::RoadsById;
 
 void count_elements(const RoadMap& map, NetworkScores& scores) {
   constexpr const char* kinds[] = {"line", "arc", "spiral", "paramPoly3"};  // order of roadquery::PlanShape
@@ -88,7 +90,7 @@ double link_gap_m(const RoadEnd& from, const RoadEnd& to) {
   for (const auto* side : {&from.section().left, &from.section().right})
     for (const roadquery::Lane& lane : *side) {
       const std::optional<int>& linked = from.contact == ContactPoint::start ? lane.predecessor : lane.successor;
-      if (linked && evaluate::find_lane(to.section(), *linked))
+      if (linked && roadquery::find_lane(to.section(), *linked))
         smallest =
             std::min(smallest, distance_m(evaluate::inner_border(from, lane.id), evaluate::inner_border(to, *linked)));
     }
@@ -161,14 +163,11 @@ void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& s
       const roadquery::RoadLink& link = RoadEnd{&road, contact}.link();
       if (link.kind == LinkKind::junction) {
         const auto junction = roads_of_junction.find(link.id);
-        if (junction == roads_of_junction.end() || !junction->second.contains(road.id)) ++scores.broken_links;
+        if (junction != roads_of_junction.end() && !junction->second.contains(road.id)) ++scores.broken_links;
       }
       if (link.kind != LinkKind::road) continue;
       const auto other = by_id.find(link.id);
-      if (!other) {
-        ++scores.broken_links;
-        continue;
-      }
+      if (!other) continue;
       const RoadEnd from{&road, contact}, to{&map.roads[*other], link.contact};
       scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, link_gap_m(from, to));
       measure_link(from, to, scores);
@@ -208,6 +207,9 @@ NetworkScores evaluate_network(const RoadMap& map) {
   NetworkScores scores;
   const RoadsById by_id(map);
   count_elements(map, scores);
+  const auto leads_nowhere = roadquery::broken_links(map);
+  scores.broken_links = static_cast<std::size_t>(std::ranges::count_if(
+      leads_nowhere, [](const roadquery::BrokenLink& link) { return link.kind != roadquery::BrokenLink::Kind::lane; }));
   measure_joints(map, by_id, scores);
   evaluate::check_lanes(map, by_id, scores);
   evaluate::measure_clearance(map, by_id, scores);

@@ -324,7 +324,7 @@ double DrivingLimits::of(FaultKind kind) const {
 
 NetworkVerdict judge_network(const roadquery::RoadMap& map, const JudgeNetworkOptions& options, Monitor* monitor) {
   NetworkVerdict verdict;
-  const evaluate::RoadsById by_id(map);
+  const roadquery::RoadsById by_id(map);
   const std::vector<LanePiece> pieces = evaluate::lane_pieces(map, by_id);
   const roadquery::RoadQuery query(map);
   std::vector<Report> reports(pieces.size());

@@ -7,12 +7,16 @@
 #include <map>
 #include <set>
 
+#include "orthodrive/evaluate/networks/inner_border.hpp"
+
 namespace orthodrive::evaluate {
 namespace {
 using roadquery::ContactPoint;
 using roadquery::LinkKind;
 using roadquery::Road;
+using roadquery::RoadEnd;
 using roadquery::RoadMap;
+using roadquery::RoadsById;
 
 bool drives_along(const Road& road, int lane) {
   return (lane < 0) != (road.driving_side == roadquery::DrivingSide::left);
@@ -50,7 +54,7 @@ void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, N
         if (to && leaves && lane.type == LaneType::driving && !in_junction) add_dead_lane(from, lane, scores);
         continue;
       }
-      const roadquery::Lane* other = to ? find_lane(to->section(), *linked) : nullptr;
+      const roadquery::Lane* other = to ? roadquery::find_lane(to->section(), *linked) : nullptr;
       if (!other || !goes_on_as(lane.type, other->type)) {
         ++scores.lane_link_errors;
         continue;
@@ -99,13 +103,10 @@ void check_junction(const RoadMap& map, const roadquery::Junction& junction, con
   std::map<int, Fed> fed;  // the roads that lead in, by their ids
   for (const roadquery::Connection& connection : junction.connections) {
     const auto incoming = by_id.find(connection.incoming_road), via = by_id.find(connection.connecting_road);
-    if (!incoming || !via) {
-      ++scores.broken_links;
-      continue;
-    }
+    if (!incoming || !via) continue;
     const RoadEnd connecting{&map.roads[*via], connection.contact};
     for (const roadquery::LaneLink& link : connection.lane_links) {
-      const roadquery::Lane* lane = find_lane(connecting.section(), link.to);
+      const roadquery::Lane* lane = roadquery::find_lane(connecting.section(), link.to);
       const std::optional<int> expected = !lane                                       ? std::nullopt
                                           : connection.contact == ContactPoint::start ? lane->predecessor
                                                                                       : lane->successor;

@@ -15,6 +15,7 @@ using roadquery::Lane;
 using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
+using roadquery::RoadsById;
 
 class Pieces {
  public:

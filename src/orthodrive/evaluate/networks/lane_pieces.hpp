@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "orthodrive/evaluate/networks/road_ends.hpp"
+#include "roadquery/roads/road_ends.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::evaluate {
 
@@ -27,7 +28,7 @@ struct LanePiece {
 };
 
 /// All of a map, those of one road together, each with its links.
-[[nodiscard]] std::vector<LanePiece> lane_pieces(const roadquery::RoadMap& map, const RoadsById& by_id);
+[[nodiscard]] std::vector<LanePiece> lane_pieces(const roadquery::RoadMap& map, const roadquery::RoadsById& by_id);
 
 /// A place of a lane, seen in driving direction.
 struct LanePlace {

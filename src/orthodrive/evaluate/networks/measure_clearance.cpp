@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::evaluate {
 namespace {
 using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
+using roadquery::RoadsById;
 
 /// A piece of a reference line.
 struct LinePiece {

@@ -3,11 +3,11 @@
 // Where roads cross on different levels, for evaluate_network.
 
 #include "orthodrive/evaluate/networks/evaluate_network.hpp"
-#include "orthodrive/evaluate/networks/road_ends.hpp"
+#include "roadquery/roads/road_ends.hpp"
 
 namespace orthodrive::evaluate {
 
 /// Sets the crossings and min_clearance_m.
-void measure_clearance(const roadquery::RoadMap& map, const RoadsById& by_id, NetworkScores& scores);
+void measure_clearance(const roadquery::RoadMap& map, const roadquery::RoadsById& by_id, NetworkScores& scores);
 
 }  // namespace orthodrive::evaluate

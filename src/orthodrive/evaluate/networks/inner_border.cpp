@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/evaluate/networks/road_ends.hpp"
+#include "orthodrive/evaluate/networks/inner_border.hpp"
 
-#include <cmath>
 #include <cstdlib>
 
 namespace orthodrive::evaluate {
 
-const roadquery::Lane* find_lane(const roadquery::LaneSection& section, int id) {
-  for (const auto* side : {&section.left, &section.right})
-    for (const roadquery::Lane& lane : *side)
-      if (lane.id == id) return &lane;
-  return nullptr;
-}
-
-roadquery::SurfacePoint inner_border(const RoadEnd& end, int lane_id) {
+roadquery::SurfacePoint inner_border(const roadquery::RoadEnd& end, int lane_id) {
   const roadquery::LaneSection& section = end.section();
   double t = roadquery::evaluate(end.road->lane_offset, end.s());
   for (const roadquery::Lane& lane : lane_id > 0 ? section.left : section.right)
