@@ -57,6 +57,10 @@ Box2 bounds_of(const Ring& ring) {
   return box;
 }
 
+Polygon polygon_of(const Box2& box) {
+  return {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
+}
+
 Box2 bounds_of_all(const MultiPolygon& polygons) {
   Box2 box = bounds_of(polygons.front().outer);
   for (const Polygon& part : polygons) {

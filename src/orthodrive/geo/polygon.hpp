@@ -26,6 +26,7 @@ using MultiPolygon = std::vector<Polygon>;
 [[nodiscard]] bool contains(const Polygon& polygon, Vec2 p);
 [[nodiscard]] bool contains(const MultiPolygon& polygons, Vec2 p);
 [[nodiscard]] Box2 bounds_of(const Ring& ring);
+[[nodiscard]] Polygon polygon_of(const Box2& box);               ///< its corners, counter-clockwise
 [[nodiscard]] Box2 bounds_of_all(const MultiPolygon& polygons);  ///< of one at least
 /// Counter-clockwise, without points on its edges. Fewer than three points when all lie on one line.
 [[nodiscard]] Ring convex_hull(std::vector<Vec2> points);

@@ -21,4 +21,8 @@ namespace orthodrive {
   return distance(p, nearest_on_segment(a, b, p));
 }
 
+[[nodiscard]] inline Box2 segment_box(Vec2 a, Vec2 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
+}
+
 }  // namespace orthodrive

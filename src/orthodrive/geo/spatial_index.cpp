@@ -8,6 +8,8 @@
 #include <boost/iterator/function_output_iterator.hpp>
 #include <utility>
 
+#include "orthodrive/geo/segment.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -26,10 +28,6 @@ std::vector<Entry> entries_of(std::span<const Box2> boxes) {
   for (std::size_t i = 0; i < boxes.size(); ++i)
     entries.emplace_back(tree_box(boxes[i]), static_cast<std::uint32_t>(i));
   return entries;
-}
-
-Box2 segment_box(Vec2 a, Vec2 b) {
-  return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
 }
 
 }  // namespace

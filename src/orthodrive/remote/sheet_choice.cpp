@@ -31,8 +31,7 @@ std::size_t corners_of(const MultiPolygon& polygons) {
 
 SiteFrame boxed(const SiteFrame& site) {
   if (site.area.outer.size() < 3) return site;
-  const Box2 b = bounds_of(site.area.outer).grown(cut_margin_m);
-  return {site.crs, {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}}};
+  return {site.crs, polygon_of(bounds_of(site.area.outer).grown(cut_margin_m))};
 }
 
 /// Whether two sheets show the same place: what they have in common is most of both.

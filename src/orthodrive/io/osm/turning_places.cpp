@@ -25,11 +25,6 @@ double place_width_m(const TurningPlace& place, double from_middle_m, bool beyon
   return 2.0 * mouth - 2.0 * (d - mouth);
 }
 
-void measure_nodes(RoadPath& path) {
-  for (std::size_t i = 0; i < path.nodes.size(); ++i)
-    path.nodes[i].s_m = i == 0 ? 0.0 : path.nodes[i - 1].s_m + distance(path.nodes[i - 1].p, path.nodes[i].p);
-}
-
 /// Nodes between the others, node_step_m apart, where the place is wider than the road.
 void put_in_nodes(RoadPath& path, double from_s, double to_s) {
   std::vector<RoadNode> nodes;
@@ -70,7 +65,7 @@ void widen_place(const TurningPlace& place, const Polygon& area, bool dead_end, 
   const bool at_start = dead_end && at == 0;
   if (at_start) std::reverse(path.nodes.begin(), path.nodes.end()), at = path.nodes.size() - 1;
   if (dead_end && place.is_circle) go_beyond(place, area, path);
-  measure_nodes(path);
+  measure_path(path);
   const double middle = path.nodes[at].s_m,
                reach = place.is_circle ? place.diameter_m : passing_half_m + 2.0 * passing_m;
   put_in_nodes(path, middle - reach, middle + reach);
@@ -79,7 +74,7 @@ void widen_place(const TurningPlace& place, const Polygon& area, bool dead_end, 
     if (std::abs(d) <= reach) node.width_m = std::max(road_m, place_width_m(place, d, dead_end && d > 0.0));
   }
   if (at_start) std::reverse(path.nodes.begin(), path.nodes.end());
-  measure_nodes(path);
+  measure_path(path);
 }
 }  // namespace
 

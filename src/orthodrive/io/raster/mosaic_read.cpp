@@ -17,17 +17,13 @@ namespace orthodrive::io {
 namespace fs = std::filesystem;
 
 namespace {
-SiteFrame site_of_box(const Crs& crs, const Box2& b) {
-  return {crs, {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}}};
-}
-
 /// Means of the photo's pixels on a coarse grid. GDAL warps a block from all pixels below it, so the photo is read at
 /// most so many times coarser than it is, and the rest is done here.
 Photo read_overview(const fs::path& path, const Crs& crs, const GridFrame& cells, int threads) {
   constexpr double most_times_coarser = 16.0;
   constexpr int rows = 512;
   const double parts = std::ceil(cells.gsd_m / (most_times_coarser * raster_info(path).gsd_m));
-  const PhotoSource photo = open_photo(path, site_of_box(crs, cells.bounds()),
+  const PhotoSource photo = open_photo(path, {crs, polygon_of(cells.bounds())},
                                        {.gsd_m = cells.gsd_m / parts, .threads = threads, .overviews = true});
   Raster<std::uint32_t> sums(cells.width, cells.height, 4);  // of the channels, and the number of pixels with data
   const auto cell_of = [&](int col, int row) {

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 
+#include "orthodrive/geo/segment.hpp"
+
 namespace orthodrive::io {
 namespace {
-Box2 segment_box(Vec2 a, Vec2 b) {
-  return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
-}
-
 /// Positions 0 < t < 1 on the segment a-b where it meets the ring.
 void add_cuts(Vec2 a, Vec2 b, const Ring& ring, std::vector<double>& cuts) {
   const Box2 box = segment_box(a, b);

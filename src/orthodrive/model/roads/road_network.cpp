@@ -117,6 +117,11 @@ double default_speed_limit_kmh(const std::string& highway) {
 
 bool is_drivable(const std::string& highway) { return find_class(highway) != nullptr; }
 
+void measure_path(RoadPath& path) {
+  for (std::size_t i = 0; i < path.nodes.size(); ++i)
+    path.nodes[i].s_m = i == 0 ? 0.0 : path.nodes[i - 1].s_m + distance(path.nodes[i - 1].p, path.nodes[i].p);
+}
+
 Polyline centerline(const RoadPath& path) {
   Polyline line;
   line.reserve(path.nodes.size());

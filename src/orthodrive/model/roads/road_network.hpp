@@ -178,6 +178,9 @@ struct RoadNetwork {
 /// The same road, its nodes in the other order: what the tags say of sides and directions changes sides.
 void turn_round(RoadPath& path);
 
+/// Sets s_m of its nodes from where they are; the first one is at 0.
+void measure_path(RoadPath& path);
+
 [[nodiscard]] Polyline centerline(const RoadPath& path);
 /// Of all nodes.
 [[nodiscard]] Box2 bounds_of_roads(const RoadNetwork& roads);

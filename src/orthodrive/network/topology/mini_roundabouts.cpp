@@ -50,11 +50,6 @@ Uses uses_of_nodes(const RoadNetwork& roads) {
   return uses;
 }
 
-void measure_path(RoadPath& path) {
-  for (std::size_t i = 0; i < path.nodes.size(); ++i)
-    path.nodes[i].s_m = i == 0 ? 0.0 : path.nodes[i - 1].s_m + distance(path.nodes[i - 1].p, path.nodes[i].p);
-}
-
 /// A path cut at every visit of the node.
 std::vector<RoadPath> parts_between(const RoadPath& path, std::int64_t osm_node) {
   std::vector<RoadPath> parts;

@@ -16,10 +16,6 @@ namespace orthodrive {
 namespace fs = std::filesystem;
 
 namespace {
-Polygon box_polygon(const Box2& box) {
-  return {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
-}
-
 RoadForestSample sample_of(Photo photo, Raster<std::uint8_t> mask) {
   return {std::move(photo.rgb), photo.frame.gsd_m, std::move(mask), std::move(photo.valid)};
 }
@@ -27,7 +23,7 @@ RoadForestSample sample_of(Photo photo, Raster<std::uint8_t> mask) {
 /// The photo at its own scale where the map has labels.
 RoadForestSample read_label_map(const fs::path& photo_file, const fs::path& label_file, int threads) {
   const LabelMap labels = io::read_labels(label_file);
-  Photo photo = io::read_photo(photo_file, {labels.crs, box_polygon(labels.frame.bounds())}, {.threads = threads});
+  Photo photo = io::read_photo(photo_file, {labels.crs, polygon_of(labels.frame.bounds())}, {.threads = threads});
   Raster<std::uint8_t> mask = forests_part().road_mask(labels, photo.frame);
   return sample_of(std::move(photo), std::move(mask));
 }
@@ -60,7 +56,7 @@ std::vector<RoadForestSample> read_painted(const fs::path& photo_file, const fs:
     Box2 box = bounds_of(corners);
     box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
            box.max_y + surroundings_m};
-    Photo photo = io::read_photo(photo_file, {crs, box_polygon(box)}, {.threads = threads});
+    Photo photo = io::read_photo(photo_file, {crs, polygon_of(box)}, {.threads = threads});
     Raster<std::uint8_t> mask(photo.frame.width, photo.frame.height);
     for (const io::Feature& feature : features)
       for (const Polygon& polygon : feature.polygons)

@@ -15,12 +15,8 @@ void write_road_overlay(const fs::path& path, const fs::path& photo_path, const 
   const RoadSurfaces surfaces{surface_polygons(view.roads), surface_polygons(view.truth)};
   const GridFrame frame = road_picture_frame(surfaces, view.region);
   std::optional<Photo> photo;
-  if (!photo_path.empty()) {
-    const Box2 box = frame.bounds();
-    const Polygon area{{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}},
-                       {}};
-    photo = io::read_photo(photo_path, {view.roads.crs, area}, {.gsd_m = frame.gsd_m});
-  }
+  if (!photo_path.empty())
+    photo = io::read_photo(photo_path, {view.roads.crs, polygon_of(frame.bounds())}, {.gsd_m = frame.gsd_m});
   io::write_png(path, picture_of_road_errors(surfaces, view.region, frame, photo ? &*photo : nullptr).rgb);
 }
 

@@ -67,10 +67,8 @@ void require_common_class(const ClassTable& prediction, const LabelScores& score
 std::function<std::optional<Photo>(const GridFrame&)> photo_reader(const fs::path& file, const Crs& crs) {
   if (file.empty()) return {};
   return [file, crs](const GridFrame& frame) -> std::optional<Photo> {
-    const Box2 box = frame.bounds();
-    const Ring corners{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}};
     try {
-      return io::read_photo(file, {crs, {corners, {}}}, {.gsd_m = frame.gsd_m});
+      return io::read_photo(file, {crs, polygon_of(frame.bounds())}, {.gsd_m = frame.gsd_m});
     } catch (const InputError&) {
       static_cast<void>(io::raster_info(file));  // a missing or broken file says so itself
       return std::nullopt;

@@ -174,10 +174,7 @@ RoadNetwork read_scored_roads(const fs::path& path, const fs::path& truth) {
   const Crs lonlat{"EPSG:4326"};
   const Box2 somewhere = bounds_of_truth(read_road_truth(truth, lonlat));
   const Crs crs = utm_crs(0.5 * (somewhere.min_x + somewhere.max_x), 0.5 * (somewhere.min_y + somewhere.max_y));
-  const Box2 box = bounds_of_truth(read_road_truth(truth, crs));
-  const Polygon area{{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}},
-                     {}};
-  return io::read_osm_roads(path, {crs, area});
+  return io::read_osm_roads(path, {crs, polygon_of(bounds_of_truth(read_road_truth(truth, crs)))});
 }
 
 }  // namespace orthodrive

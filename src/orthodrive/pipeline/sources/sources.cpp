@@ -84,8 +84,7 @@ Polygon area_of_photos(const Sources::Files& photos, const Crs& crs) {
   Polygon area;
   for (const Vec2 p : lonlat_of_photos(photos)) area.outer.push_back(transform.target_from_source(p));
   if (photos.size() == 1) return area;
-  const Box2 b = bounds_of(area.outer);
-  return {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
+  return polygon_of(bounds_of(area.outer));
 }
 
 SiteFrame site_of_photos(const Sources::Files& photos) {

@@ -454,9 +454,7 @@ namespace {
 /// The largest part of the area within the bounds.
 Polygon part_of_area(const Polygon& area, const std::optional<Box2>& bounds) {
   if (!bounds) return area;
-  const Box2& b = *bounds;
-  const Polygon box{{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
-  const auto common = largest_common_part(area, box);
+  const auto common = largest_common_part(area, polygon_of(*bounds));
   if (!common) throw OptionError("--bbox: shares no ground with the scene");
   return *common;
 }

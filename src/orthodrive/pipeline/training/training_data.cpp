@@ -258,8 +258,7 @@ void add_polygons(TrainingData& result, const PolygonData& data, double gsd_m, c
       }
     box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
            box.max_y + surroundings_m};
-    const SiteFrame site{
-        crs, {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}};
+    const SiteFrame site{crs, polygon_of(box)};
     LabelledPhoto scene{resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}, {}};
     const GridFrame& frame = scene.photo.frame;
     if (!data.osm.empty()) scene.map = lines_on(frame, roads_m);

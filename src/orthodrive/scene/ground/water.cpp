@@ -21,10 +21,6 @@ MultiPolygon moved_all(const MultiPolygon& polygons, Vec2 by) {
   return result;
 }
 
-Polygon polygon_of(const Box2& box) {
-  return {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
-}
-
 /// `shores`, relative to `from`, less what roads take, where they are needed. In cells, so that a river through a town
 /// meets few roads at a time.
 MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, Vec2 from) {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/median.hpp"
 #include "orthodrive/geo/crs.hpp"
 
 namespace orthodrive::synth {
@@ -89,8 +91,7 @@ std::vector<TrackRow> parse_track(std::string_view text, const std::string& file
   if (track.size() < 10) throw InputError(file, fmt::format("has {} rows, need at least 10", track.size()));
   std::vector<double> step_m;
   for (std::size_t i = 1; i < track.size(); ++i) step_m.push_back(distance(track[i - 1].p, track[i].p));
-  std::nth_element(step_m.begin(), step_m.begin() + static_cast<long>(step_m.size() / 2), step_m.end());
-  const double gap_m = distance(track.front().p, track.back().p), usual_m = step_m[step_m.size() / 2];
+  const double gap_m = distance(track.front().p, track.back().p), usual_m = median(std::move(step_m));
   if (gap_m > 3.0 * usual_m)
     throw InputError(
         file,
