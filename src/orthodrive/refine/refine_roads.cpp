@@ -37,7 +37,6 @@ void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoa
   if (!traces.traces.empty() && !(traces.crs == osm.crs))
     throw OptionError(fmt::format("refine: GPS traces are in {} but roads in {}, need one CRS", traces.crs.definition,
                                   osm.crs.definition));
-  if (!(options.gps_sigma_m > 0.0)) throw OptionError("refine: the standard deviation of GPS must be positive");
   if (!(osm.crs == evidence.crs))
     throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition,
                                   evidence.crs.definition));

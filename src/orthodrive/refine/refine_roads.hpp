@@ -47,7 +47,6 @@ struct RefineRoadsOptions {
   double min_width_factor = 0.5;  ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   RefineWeights weights;
-  double gps_sigma_m = 3.0;                       ///< of a receiver's position to each side, as consumers have them
   DrivingSide driving_side = DrivingSide::right;  ///< where the traces come from
   int max_iterations = 60;
   int threads = 0;                   ///< 0 = all cores; the result does not depend on it

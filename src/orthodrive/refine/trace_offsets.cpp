@@ -13,6 +13,7 @@ namespace {
 
 constexpr double reach_m = 12.0;           // the map is off by up to 8 m, the receiver by some metres
 constexpr double least_alignment = 0.866;  // cos 30 degrees: lines that cross are not the same road
+constexpr double gps_sigma_m = 3.0;        // of a receiver's position to each side, as consumers have them
 constexpr double standing_m = 3.0, direction_m = 10.0;
 constexpr double least_chord =
     0.4;  // of the way driven: a hairpin of 4 m radius has it, a receiver that wanders has not
@@ -171,9 +172,8 @@ std::vector<TraceOffset> trace_offsets(const RoadChain& chain, const RoadNetwork
       if (count > 0.0) witnesses.push_back(sum / count);
     }
     if (!witnesses.empty()) {
-      const Witness mean = robust_mean(witnesses, options.gps_sigma_m);
-      offsets[node] = {mean.offset_m, std::hypot(options.gps_sigma_m / std::sqrt(mean.weight), driven.sigma_m),
-                       mean.weight};
+      const Witness mean = robust_mean(witnesses, gps_sigma_m);
+      offsets[node] = {mean.offset_m, std::hypot(gps_sigma_m / std::sqrt(mean.weight), driven.sigma_m), mean.weight};
     }
     begin = end;
   }

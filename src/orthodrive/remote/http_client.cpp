@@ -207,7 +207,7 @@ class Run {
   void retry(TransferPtr transfer, long status, const std::string& why) {
     double pause_s = pause_before(transfer->attempt + 1, options_);
     const auto asked = retry_after_s(transfer->response.retry_after, std::time(nullptr));
-    if (asked && *asked > options_.longest_wait_s)
+    if (asked && *asked > longest_wait_s)
       throw Error(fmt::format("{}: {}; the server asks to come again in {:.0f} minutes",
                               state_.shown(transfer->request.url), why, *asked / 60.0));
     if (asked) pause_s = std::max(pause_s, *asked);

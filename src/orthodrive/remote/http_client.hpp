@@ -16,12 +16,13 @@
 
 namespace orthodrive::remote {
 
+constexpr double longest_wait_s = 600.0;  ///< a Retry-After beyond this ends the work
+
 struct HttpOptions {
   int connections = 6;         ///< to one host, and in all
   int attempts = 8;            ///< of one request; 4 as long as nothing at all has succeeded
   double first_pause_s = 0.5;  ///< before the second attempt; each further one is twice as long
   double longest_pause_s = 60.0;
-  double longest_wait_s = 600.0;                     ///< a Retry-After beyond this ends the work
   double stall_s = 30.0;                             ///< no byte for so long ends an attempt
   std::int64_t most_bytes = std::int64_t{64} << 20;  ///< of one answer in memory, decompressed
 };

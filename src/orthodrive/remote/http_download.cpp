@@ -247,7 +247,7 @@ Attempt attempt_all(const Download& d) {
     if (attempt.verdict.judgement == Judgement::missing) throw NotThere(what + " (not there); check the url");
     if (attempt.verdict.judgement != Judgement::again || number >= most) throw Error(what + "; run it again to go on");
     const double asked_s = attempt.asked_pause_s.value_or(0.0);
-    if (asked_s > options.longest_wait_s)
+    if (asked_s > longest_wait_s)
       throw Error(fmt::format("{}; the server asks to come again in {:.0f} minutes", what, asked_s / 60.0));
     wait(std::max(pause_before(number + 1, options), asked_s), d.state.monitor);
   }

@@ -221,6 +221,7 @@ std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions&
 namespace {
 
 constexpr int color_steps = 48;
+constexpr double highest_map_px = 640.0;
 
 /// Where the places of a map plot lie in the picture, and its values in the colour bar.
 struct MapFrame {
@@ -236,7 +237,7 @@ struct MapFrame {
     const double margin_m = 0.05 * std::max(x.usable(0.0).size(), y.usable(0.0).size()) + 5.0;
     x = x.usable(0.0), y = y.usable(0.0), value = value.usable(0.0);
     x.low -= margin_m, x.high += margin_m, y.low -= margin_m, y.high += margin_m;
-    px_per_m = std::min((right - left) / x.size(), (options.max_height_px - top - 12.0) / y.size());
+    px_per_m = std::min((right - left) / x.size(), (highest_map_px - top - 12.0) / y.size());
     bottom = top + std::max(px_per_m * y.size(), 160.0);
     x_mid_m = 0.5 * (x.low + x.high), y_mid_m = 0.5 * (y.low + y.high);
   }

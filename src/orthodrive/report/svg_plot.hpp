@@ -38,7 +38,7 @@ struct MapLine {
 };
 struct MapPlotOptions {
   std::string title, value_label;
-  int width_px = 960, max_height_px = 640;
+  int width_px = 960;
   std::string start_label;  ///< marks the line's first point; empty: no mark
 };
 /// The coloured line with equal scales, north up, a scale bar and a colour bar. `background` is drawn under it in grey

@@ -17,10 +17,12 @@ using evaluate::AxleSample;
 using evaluate::LanePiece;
 using evaluate::LanePlace;
 using evaluate::PathPoint;
+namespace judged = evaluate::judged;
 
 constexpr std::array kind_names{"hole",           "step",       "vertical_acceleration",
                                 "twist",          "gap",        "heading_jump",
                                 "curvature_jump", "width_jump", "grip_jump"};
+constexpr std::array fault_limits{0.0, 0.010, 5.0, 0.05, 0.05, 0.02, 1.0, 0.12, 2.0};  // in the units of FaultKind
 constexpr double window_m = 12.0;     // of a path through a link, to each side
 constexpr double edge_inset_m = 0.1;  // of the lines along which holes are looked for at a link
 constexpr double near_joint_m = 1.0;  // how far from the joint those reach
@@ -43,11 +45,11 @@ void fields(Archive& archive, Report& report) {
 
 class Judge {
  public:
-  Judge(const roadquery::RoadQuery& query, const JudgeNetworkOptions& options) : query_(query), options_(options) {}
+  explicit Judge(const roadquery::RoadQuery& query) : query_(query) {}
 
   Report lane(const LanePiece& piece, const std::vector<LanePiece>& pieces) {
     std::vector<PathPoint> path;
-    evaluate::append_places(piece, 0.0, piece.length(), options_.step_m, path);
+    evaluate::append_places(piece, 0.0, piece.length(), judged::step_m, path);
     report_.track_length_m += 2.0 * piece.length();
     judge_path(path);
     judge_plan(piece);
@@ -57,7 +59,7 @@ class Judge {
 
  private:
   void add(FaultKind kind, double value, const PathPoint& at, double x, double y) {
-    const double limit = options_.limits.of(kind);
+    const double limit = driving_limit(kind);
     double& worst = report_.worst[static_cast<std::size_t>(kind)];
     worst = std::max(worst, value);
     if (!(value <= limit))
@@ -65,7 +67,7 @@ class Judge {
   }
 
   void judge_path(const std::vector<PathPoint>& path) {
-    for (const std::vector<AxleSample>& run : evaluate::sample_axles(query_, path, options_)) {
+    for (const std::vector<AxleSample>& run : evaluate::sample_axles(query_, path)) {
       judge_wheels(run);
       judge_body(run);
     }
@@ -143,7 +145,7 @@ class Judge {
     const auto [x0, y0] = middle(rear);
     const auto [x1, y1] = middle(front);
     const double chord = std::hypot(x1 - x0, y1 - y0);
-    if (chord < 0.5 * options_.wheelbase_m) return NAN;  // sharper than any car turns
+    if (chord < 0.5 * judged::wheelbase_m) return NAN;  // sharper than any car turns
     const double track = std::min(rear.track_m, front.track_m);
     const double left_x = -(y1 - y0) / chord * 0.5 * track, left_y = (x1 - x0) / chord * 0.5 * track;
     const auto across = [&](const AxleSample& axle, double x, double y) {
@@ -157,7 +159,7 @@ class Judge {
 
   /// Vertical acceleration of the body and twist between the axles.
   void judge_body(const std::vector<AxleSample>& run) {
-    const double base_m = options_.wheelbase_m - 0.5 * options_.step_m;
+    const double base_m = judged::wheelbase_m - 0.5 * judged::step_m;
     std::size_t ahead_axle = 0;  // in bends lanes are longer or shorter than the line along which samples are even
     for (std::size_t i = 0; i < run.size(); ++i) {
       while (ahead_axle < run.size() && run[ahead_axle].driven_m - run[i].driven_m < base_m) ++ahead_axle;
@@ -168,8 +170,8 @@ class Judge {
       if (ahead_axle < run.size() && run[i].on_road() && run[ahead_axle].on_road())
         if (const double value = std::abs(twist(run[i], run[ahead_axle])); !std::isnan(value))
           add(FaultKind::twist, value, run[i].at, x, y);
-      const double arm_m = std::max(options_.wheelbase_m, run[i].speed_mps / body_frequency_radps);
-      const auto arm = static_cast<std::size_t>(std::lround(arm_m / options_.step_m));
+      const double arm_m = std::max(judged::wheelbase_m, run[i].speed_mps / body_frequency_radps);
+      const auto arm = static_cast<std::size_t>(std::lround(arm_m / judged::step_m));
       if (i < arm || i + arm >= run.size()) continue;
       const AxleSample &back = run[i - arm], &front = run[i + arm];
       if (!run[i].on_road() || !back.on_road() || !front.on_road()) continue;
@@ -181,11 +183,11 @@ class Judge {
     }
   }
 
-  double curvature_jump_mps2(double before, double after, double legal_mps) const {
+  static double curvature_jump_mps2(double before, double after, double legal_mps) {
     const double most = std::max(std::abs(before), std::abs(after));
     if (most < 1e-9) return 0.0;
-    const double legal = legal_mps > 0.0 ? legal_mps : options_.unlimited_speed_mps;
-    return std::min(legal * legal, options_.lateral_mps2 / most) * std::abs(after - before);
+    const double legal = legal_mps > 0.0 ? legal_mps : judged::unlimited_speed_mps;
+    return std::min(legal * legal, judged::lateral_mps2 / most) * std::abs(after - before);
   }
 
   /// Where elements of the reference line meet within the piece.
@@ -206,11 +208,11 @@ class Judge {
   void link(const LanePiece& from, const LanePiece& to, const std::vector<LanePiece>& pieces) {
     std::vector<PathPoint> path;
     const double tail = std::min(window_m, from.length()), head = std::min(window_m, to.length());
-    evaluate::append_places(from, from.length() - tail, from.length(), options_.step_m, path);
-    evaluate::append_places(to, 0.0, head, options_.step_m, path);
+    evaluate::append_places(from, from.length() - tail, from.length(), judged::step_m, path);
+    evaluate::append_places(to, 0.0, head, judged::step_m, path);
     if (head < window_m && !to.next.empty()) {
       const LanePiece& third = pieces[to.next.front()];
-      evaluate::append_places(third, 0.0, std::min(window_m - head, third.length()), options_.step_m, path);
+      evaluate::append_places(third, 0.0, std::min(window_m - head, third.length()), judged::step_m, path);
     }
     judge_path(path);
     judge_joint(from, to);
@@ -221,7 +223,7 @@ class Judge {
     const LanePlace a = lane_place(from, end.s), b = lane_place(to, start.s);
     const roadquery::SurfacePoint p = evaluate::lane_point(end, 0.0), q = evaluate::lane_point(start, 0.0);
     add(FaultKind::width_jump, std::abs(a.width_m - b.width_m), end, p.x, p.y);
-    if (std::min(a.width_m, b.width_m) < options_.least_lane_m) return;  // opens or ends here: nobody drives it
+    if (std::min(a.width_m, b.width_m) < judged::least_lane_m) return;  // opens or ends here: nobody drives it
     add(FaultKind::gap, std::hypot(p.x - q.x, p.y - q.y), end, p.x, p.y);
     add(FaultKind::heading_jump, std::abs(wrapped_angle(a.heading_rad - b.heading_rad)), end, p.x, p.y);
     if (from.road->junction < 0 && to.road->junction < 0)
@@ -238,22 +240,22 @@ class Judge {
       roadquery::SurfacePoint before = evaluate::lane_point(end, left);
       const roadquery::SurfacePoint after = evaluate::lane_point(start, left);
       const double wedge = std::hypot(after.x - before.x, after.y - before.y);
-      const int steps = std::max(1, static_cast<int>(std::ceil(wedge / (0.25 * options_.step_m))));
+      const int steps = std::max(1, static_cast<int>(std::ceil(wedge / (0.25 * judged::step_m))));
       for (int i = 0; i <= steps; ++i) {
         const double share = static_cast<double>(i) / steps;
         look_for_road(end, before.x + share * (after.x - before.x), before.y + share * (after.y - before.y), before.z,
                       wedge);
       }
-      for (double away = options_.step_m; away < near_joint_m; away += options_.step_m) {
+      for (double away = judged::step_m; away < near_joint_m; away += judged::step_m) {
         if (away < end.piece->length()) {
           const PathPoint at{end.piece, end.piece->s_at(end.piece->length() - away)};
           const roadquery::SurfacePoint p = evaluate::lane_point(at, left);
-          look_for_road(at, p.x, p.y, p.z, options_.step_m);
+          look_for_road(at, p.x, p.y, p.z, judged::step_m);
         }
         if (away < start.piece->length()) {
           const PathPoint at{start.piece, start.piece->s_at(away)};
           const roadquery::SurfacePoint p = evaluate::lane_point(at, left);
-          look_for_road(at, p.x, p.y, p.z, options_.step_m);
+          look_for_road(at, p.x, p.y, p.z, judged::step_m);
         }
       }
     }
@@ -264,7 +266,6 @@ class Judge {
   }
 
   const roadquery::RoadQuery& query_;
-  const JudgeNetworkOptions& options_;
   Report report_;
 };
 
@@ -298,29 +299,7 @@ std::vector<Fault> worst_of_places(std::vector<Fault> faults) {
 
 const char* to_string(FaultKind kind) { return kind_names.at(static_cast<std::size_t>(kind)); }
 
-double DrivingLimits::of(FaultKind kind) const {
-  switch (kind) {
-    case FaultKind::hole:
-      return hole_m;
-    case FaultKind::step:
-      return step_m;
-    case FaultKind::vertical_acceleration:
-      return vertical_acceleration_mps2;
-    case FaultKind::twist:
-      return twist_rad;
-    case FaultKind::gap:
-      return gap_m;
-    case FaultKind::heading_jump:
-      return heading_jump_rad;
-    case FaultKind::curvature_jump:
-      return curvature_jump_mps2;
-    case FaultKind::width_jump:
-      return width_jump_m;
-    case FaultKind::grip_jump:
-      return grip_ratio;
-  }
-  return 0.0;
-}
+double driving_limit(FaultKind kind) { return fault_limits.at(static_cast<std::size_t>(kind)); }
 
 NetworkVerdict judge_network(const roadquery::RoadMap& map, const JudgeNetworkOptions& options, Monitor* monitor) {
   NetworkVerdict verdict;
@@ -330,7 +309,7 @@ NetworkVerdict judge_network(const roadquery::RoadMap& map, const JudgeNetworkOp
   std::vector<Report> reports(pieces.size());
   shared_for(
       options.exchange, "judge", pieces.size(), options.threads,
-      [&](std::size_t i) { reports[i] = Judge(query, options).lane(pieces[i], pieces); },
+      [&](std::size_t i) { reports[i] = Judge(query).lane(pieces[i], pieces); },
       [&](auto& archive, std::size_t i) { archive(reports[i]); },
       [&](std::size_t done) {
         if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(pieces.size()), "judge");

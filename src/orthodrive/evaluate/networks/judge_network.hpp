@@ -30,30 +30,12 @@ enum class FaultKind : std::uint8_t {
 constexpr std::size_t fault_kinds = 9;
 [[nodiscard]] const char* to_string(FaultKind kind);
 
-/// Largest values that pass. docs/evaluate.md has the reasons.
-struct DrivingLimits {
-  double hole_m = 0.0;
-  double step_m = 0.010;
-  double vertical_acceleration_mps2 = 5.0;
-  double twist_rad = 0.05;
-  double gap_m = 0.05;
-  double heading_jump_rad = 0.02;
-  double curvature_jump_mps2 = 1.0;
-  double width_jump_m = 0.12;
-  double grip_ratio = 2.0;
-  [[nodiscard]] double of(FaultKind kind) const;
-};
+/// Largest value that passes, in the unit of the kind. docs/evaluate.md has the reasons.
+[[nodiscard]] double driving_limit(FaultKind kind);
 
 struct JudgeNetworkOptions {
-  DrivingLimits limits;
-  double step_m = 0.1;                ///< between the samples along a track
-  double track_m = 1.5;               ///< between the wheels of an axle; narrower lanes: their width less 0.4 m
-  double wheelbase_m = 2.7;           ///< also the shortest arm over which vertical curvature is taken
-  double unlimited_speed_mps = 50.0;  ///< where there is no speed limit (raceways)
-  double lateral_mps2 = 4.0;          ///< bends are driven so fast that this is reached, at most
-  double least_lane_m = 1.8;          ///< narrower places of a lane (tapers) are not driven
-  int threads = 0;                    ///< 0 = all cores; the result does not depend on it
-  LoopExchange* exchange = nullptr;   ///< with other processes that judge the same network; nor on it
+  int threads = 0;                   ///< 0 = all cores; the result does not depend on it
+  LoopExchange* exchange = nullptr;  ///< with other processes that judge the same network; nor on it
 };
 
 /// A place that fails; of all samples within 5 m the worst.

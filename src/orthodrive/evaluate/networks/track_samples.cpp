@@ -12,11 +12,11 @@ namespace {
 constexpr double mirror_room_m = 0.4;  // a lane is wider than a track by this, at least
 constexpr double same_place_m = 0.02;  // ends of linked lanes: one sample is enough
 
-double speed_at(const PathPoint& at, double curvature, const JudgeNetworkOptions& options) {
+double speed_at(const PathPoint& at, double curvature) {
   const double limit = at.piece->road->speed_limit_mps;
   const double legal =
-      std::min(limit > 0.0 ? limit : options.unlimited_speed_mps, hump_speed_mps(*at.piece->road, at.s));
-  return std::abs(curvature) < 1e-9 ? legal : std::min(legal, std::sqrt(options.lateral_mps2 / std::abs(curvature)));
+      std::min(limit > 0.0 ? limit : judged::unlimited_speed_mps, hump_speed_mps(*at.piece->road, at.s));
+  return std::abs(curvature) < 1e-9 ? legal : std::min(legal, std::sqrt(judged::lateral_mps2 / std::abs(curvature)));
 }
 
 }  // namespace
@@ -32,8 +32,8 @@ roadquery::SurfacePoint lane_point(const PathPoint& at, double left_m) {
                                   place.reference);
 }
 
-std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& query, const std::vector<PathPoint>& path,
-                                                  const JudgeNetworkOptions& options) {
+std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& query,
+                                                  const std::vector<PathPoint>& path) {
   std::vector<std::vector<AxleSample>> runs(1);
   std::array<roadquery::Cursor, 2> cursors;
   double driven = 0.0;
@@ -46,15 +46,15 @@ std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& qu
         roadquery::surface_point(*at.piece->road, at.s, place.centre_t, place.reference);
     const double moved = i > 0 ? std::hypot(middle.x - before.x, middle.y - before.y) : 0.0;
     before = middle, driven += moved;
-    if (place.width_m < options.least_lane_m) {
+    if (place.width_m < judged::least_lane_m) {
       if (!runs.back().empty()) runs.emplace_back();
       continue;
     }
     if (!runs.back().empty() && moved < same_place_m && runs.back().back().at.piece != at.piece) continue;
     AxleSample axle{.at = at, .driven_m = driven, .heading_rad = place.heading_rad, .curvature = place.curvature};
     axle.width_m = place.width_m;
-    axle.speed_mps = speed_at(at, place.curvature, options);
-    axle.track_m = std::min(options.track_m, place.width_m - mirror_room_m);
+    axle.speed_mps = speed_at(at, place.curvature);
+    axle.track_m = std::min(judged::track_m, place.width_m - mirror_room_m);
     for (std::size_t wheel = 0; wheel < 2; ++wheel) {
       const double left = (wheel == 0 ? 0.5 : -0.5) * axle.track_m;
       const roadquery::SurfacePoint p =

@@ -6,11 +6,20 @@
 #include <cstddef>
 #include <vector>
 
-#include "orthodrive/evaluate/networks/judge_network.hpp"
 #include "orthodrive/evaluate/networks/lane_pieces.hpp"
 #include "roadquery/query/road_query.hpp"
 
 namespace orthodrive::evaluate {
+
+/// The car that a network is judged for. docs/evaluate.md has the reasons.
+namespace judged {
+constexpr double step_m = 0.1;                // between the samples along a track
+constexpr double track_m = 1.5;               // between the wheels of an axle; narrower lanes: their width less 0.4 m
+constexpr double wheelbase_m = 2.7;           // also the shortest arm over which vertical curvature is taken
+constexpr double unlimited_speed_mps = 50.0;  // where there is no speed limit (raceways)
+constexpr double lateral_mps2 = 4.0;          // bends are driven so fast that this is reached, at most
+constexpr double least_lane_m = 1.8;          // narrower places of a lane (tapers) are not driven
+}  // namespace judged
 
 /// A place of a path: where the middle of the axle is.
 struct PathPoint {
@@ -42,8 +51,7 @@ void append_places(const LanePiece& piece, double from_m, double to_m, double st
 /// One wheel after the other with a cursor of its own, as tyres ask. Places where the lane is too narrow end a run, and
 /// so do places without a road; every run is one vector.
 [[nodiscard]] std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& query,
-                                                                const std::vector<PathPoint>& path,
-                                                                const JudgeNetworkOptions& options);
+                                                                const std::vector<PathPoint>& path);
 
 /// A point of a lane, `left_m` to the left of its middle in driving direction.
 [[nodiscard]] roadquery::SurfacePoint lane_point(const PathPoint& at, double left_m);

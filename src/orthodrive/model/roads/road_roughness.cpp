@@ -11,6 +11,11 @@
 #include "orthodrive/core/random.hpp"
 
 namespace orthodrive {
+namespace {
+
+constexpr double longest_wave_m = 20.0;  // longer ones are in the profile
+
+}  // namespace
 
 char iso_8608_class(double gd_n0_m3) {
   char road_class = 'A';
@@ -26,7 +31,7 @@ double iso_8608_mean_m3(char road_class) {
 
 RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed,
                                const RoughnessFieldOptions& options) {
-  if (!(options.shortest_wave_m > 0.0) || !(options.longest_wave_m > options.shortest_wave_m) || options.waves < 1)
+  if (!(options.shortest_wave_m > 0.0) || !(longest_wave_m > options.shortest_wave_m) || options.waves < 1)
     throw OptionError("roughness: needs 0 < shortest wave < longest wave, a wave at least");
   half_blend_m_ = 0.5 * 10.0;  // one stretch goes over into the next within 10 m; ends go to 0 inside their stretch
   for (const RoughnessStretch& r : stretches) {
@@ -44,7 +49,7 @@ RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uin
         {r.s_begin_m + (from_other ? 0.0 : half_blend_m_), r.s_end_m - (to_other ? 0.0 : half_blend_m_), {}});
   }
   Random random(seed);
-  const double low = 1.0 / options.longest_wave_m, ratio = options.longest_wave_m / options.shortest_wave_m;
+  const double low = 1.0 / longest_wave_m, ratio = longest_wave_m / options.shortest_wave_m;
   for (int i = 0; i < options.waves; ++i) {
     // One wave a band of a logarithmic division, anywhere in it: no common period, no gap in the PSD.
     const double from = low * std::pow(ratio, static_cast<double>(i) / options.waves),

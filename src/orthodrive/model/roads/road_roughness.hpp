@@ -27,7 +27,7 @@ struct RoughnessStretch {
 [[nodiscard]] double iso_8608_mean_m3(char road_class);
 
 struct RoughnessFieldOptions {
-  double shortest_wave_m = 0.1, longest_wave_m = 20.0;  ///< along the road; longer ones are in the profile
+  double shortest_wave_m = 0.1;  ///< along the road; the longest are 20 m long
   int waves = 160;
 };
 

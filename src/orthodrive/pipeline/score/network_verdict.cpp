@@ -37,14 +37,14 @@ std::string say(const Fault& fault) {
 
 }  // namespace
 
-ScoreJson to_json(const NetworkVerdict& verdict, const DrivingLimits& limits) {
+ScoreJson to_json(const NetworkVerdict& verdict) {
   ScoreJson json{{"pass", verdict.pass()},
                  {"lanes", verdict.lanes},
                  {"links", verdict.links},
                  {"track_km", verdict.track_length_m / 1e3}};
   for (std::size_t i = 0; i < fault_kinds; ++i)
     json[to_string(kind_at(i))] = {
-        {"limit", limits.of(kind_at(i))}, {"worst", verdict.worst[i]}, {"places", verdict.places[i]}};
+        {"limit", driving_limit(kind_at(i))}, {"worst", verdict.worst[i]}, {"places", verdict.places[i]}};
   return json;
 }
 

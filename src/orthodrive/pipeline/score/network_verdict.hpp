@@ -12,7 +12,7 @@
 namespace orthodrive {
 
 /// `pass`, `lanes`, `links`, `track_km`, and by kind `limit`, `worst`, `places`.
-[[nodiscard]] ScoreJson to_json(const NetworkVerdict& verdict, const DrivingLimits& limits);
+[[nodiscard]] ScoreJson to_json(const NetworkVerdict& verdict);
 /// Every place that fails: kind, value, limit, x, y, road, lane, s.
 [[nodiscard]] ScoreJson faults_json(const NetworkVerdict& verdict);
 /// Every place that fails as a warning "verdict.KIND".

@@ -182,9 +182,8 @@ ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& 
   ScoreJson scores = to_json(evaluate_network(map));
   for (const Finding& note : reading_findings(map))
     scores["reading"].push_back({{"code", note.code}, {"message", note.message}, {"x", note.x_m}, {"y", note.y_m}});
-  const JudgeNetworkOptions judging{.threads = options.threads};
-  const NetworkVerdict verdict = judge_network(map, judging);
-  scores["verdict"] = to_json(verdict, judging.limits);
+  const NetworkVerdict verdict = judge_network(map, {.threads = options.threads});
+  scores["verdict"] = to_json(verdict);
   scores["faults"] = faults_json(verdict);
   if (!options.findings.empty()) io::write_findings(options.findings, findings_of(verdict), {map.geo_reference});
   if (!options.layers.empty()) write_verdict_layers(options.layers, verdict, {map.geo_reference});

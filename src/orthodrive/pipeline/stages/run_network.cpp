@@ -91,9 +91,9 @@ StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg,
 }
 
 void add_verdict(const roadquery::RoadMap& map, StageContext& context, StageOutcome& outcome) {
-  const JudgeNetworkOptions options{.threads = context.threads, .exchange = context.exchange};
-  const NetworkVerdict verdict = judge_network(map, options, context.monitor);
-  outcome.numbers["verdict"] = to_json(verdict, options.limits);
+  const NetworkVerdict verdict =
+      judge_network(map, {.threads = context.threads, .exchange = context.exchange}, context.monitor);
+  outcome.numbers["verdict"] = to_json(verdict);
   append(outcome.findings, findings_of(verdict));
   outcome.summary.push_back(summary_of(verdict));
 }
