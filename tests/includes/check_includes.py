@@ -6,7 +6,7 @@ one.
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
 A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
-its DEPS; this script reads them and asks seven things:
+its DEPS; this script reads them and asks eight things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
@@ -16,8 +16,10 @@ its DEPS; this script reads them and asks seven things:
 6. A room's own folders stand in its FOLDERS in the order of their arrows: a file includes its own folder and those
    before it; what lies in the room itself includes all of them, and is included by none.
 7. A name of a file stands in one folder: who looks for it finds one place.
+8. A folder has at most 40 files: a larger one gets folders of its own.
 """
 
+import collections
 import pathlib
 import re
 import sys
@@ -51,6 +53,7 @@ THIRD_PARTY = {
 # An .inl is compiled once per family of processors, each time by a .cpp of its own; no header includes it. So it may
 # show the intrinsics of that family.
 INTRINSICS = {"immintrin", "arm_neon"}
+MOST_FILES = 40
 OPENS = re.compile(
     r"\b(?:[io]?fstream|filebuf|fopen|freopen|fdopen|mkstemp|opendir|popen|GDALOpen\w*|VSIF?Open\w*|GDALCreate\w*)\b"
     r"|\bfilesystem::(?:exists|create_director\w+|directory_iterator|recursive_directory_iterator|remove|remove_all|rename|"
@@ -228,7 +231,10 @@ def check(root):
     used = {(room_of(name), folder_of(name)) for name in known if folder_of(name)}
     listed = {(room, folder) for room, own in folders.items() for folder in own}
     findings += [f"{room}: FOLDERS and the folder {folder} do not agree" for room, folder in sorted(used ^ listed)]
-    places = {}
+    places, count = {}, collections.Counter(name.rsplit("/", 1)[0] for name in known)
+    findings += [
+        f"{folder}: {files} files, at most {MOST_FILES}" for folder, files in sorted(count.items()) if files > MOST_FILES
+    ]
     for name in known:
         folder, file = name.rsplit("/", 1)
         places.setdefault(file.split(".")[0], set()).add(folder)

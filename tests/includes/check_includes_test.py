@@ -168,6 +168,10 @@ class Includes(unittest.TestCase):
     def test_a_folder_of_a_room_that_is_not_listed(self):
         self.expect("src/orthodrive/pipeline/more/part.hpp", "\n", "FOLDERS and the folder more do not agree")
 
+    def test_a_folder_of_many_files(self):
+        files = {f"src/orthodrive/core/part_{i}.hpp": "\n" for i in range(39)}
+        self.assertEqual(self.findings(files=files), ["orthodrive/core: 41 files, at most 40"])
+
     def test_a_name_in_two_folders(self):
         name = "src/orthodrive/network/refine_roads.cpp"
         self.expect(name, "\n", "refine_roads: stands in orthodrive/network and orthodrive/refine")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/capabilities.hpp"
+#include "orthodrive/remote/tiles/capabilities.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include "io/places.hpp"
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/tile_services.hpp"
+#include "orthodrive/remote/tiles/tile_services.hpp"
 
 namespace orthodrive::remote {
 namespace {

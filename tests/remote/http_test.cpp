@@ -6,10 +6,10 @@
 
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/http_client.hpp"
-#include "orthodrive/remote/secrets.hpp"
-#include "orthodrive/remote/tile_store.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
+#include "orthodrive/remote/http/secrets.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
+#include "orthodrive/remote/tiles/tile_store.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -6,10 +6,10 @@
 #include "fuzz/mutate.hpp"
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/atom_feed.hpp"
-#include "orthodrive/remote/link_address.hpp"
-#include "orthodrive/remote/sheet_choice.hpp"
-#include "orthodrive/remote/stac_items.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
+#include "orthodrive/remote/sheets/atom_feed.hpp"
+#include "orthodrive/remote/sheets/sheet_choice.hpp"
+#include "orthodrive/remote/sheets/stac_items.hpp"
 
 namespace orthodrive::remote {
 namespace {

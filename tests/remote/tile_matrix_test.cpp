@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/tile_matrix.hpp"
+#include "orthodrive/remote/tiles/tile_matrix.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/remote/tile_plan.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -8,8 +8,8 @@
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/model/site_frame.hpp"
-#include "orthodrive/remote/fetch_source.hpp"
-#include "orthodrive/remote/http_client.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
 
 namespace orthodrive::remote {
 

@@ -3,8 +3,8 @@
 // How the kinds of sources are fetched. Internal to remote.
 
 #include "orthodrive/remote/fetch.hpp"
-#include "orthodrive/remote/secrets.hpp"
-#include "orthodrive/remote/source_record.hpp"
+#include "orthodrive/remote/http/secrets.hpp"
+#include "orthodrive/remote/source/source_record.hpp"
 
 namespace orthodrive::remote {
 

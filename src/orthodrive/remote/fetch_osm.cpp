@@ -9,8 +9,8 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/osm/cut_osm.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
-#include "orthodrive/remote/tile_plan.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -5,7 +5,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster/cut_raster.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -7,8 +7,8 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster/cut_raster.hpp"
 #include "orthodrive/io/raster/sheet_files.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
-#include "orthodrive/remote/url_template.hpp"
 
 namespace orthodrive::remote {
 namespace {

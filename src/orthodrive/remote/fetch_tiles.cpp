@@ -10,8 +10,8 @@
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/raster/tile_image.hpp"
 #include "orthodrive/remote/fetch_kinds.hpp"
-#include "orthodrive/remote/tile_plan.hpp"
-#include "orthodrive/remote/tile_store.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
+#include "orthodrive/remote/tiles/tile_store.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/remote/atom_feed.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/sheets/atom_feed.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

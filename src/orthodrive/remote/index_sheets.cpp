@@ -10,8 +10,8 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/vector/sheet_index_reader.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
-#include "orthodrive/remote/url_template.hpp"
 
 namespace orthodrive::remote {
 namespace {

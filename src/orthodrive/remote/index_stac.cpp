@@ -7,9 +7,9 @@
 #include "orthodrive/core/closest_word.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "orthodrive/remote/sheet_indices.hpp"
-#include "orthodrive/remote/stac_items.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/sheets/stac_items.hpp"
 
 namespace orthodrive::remote {
 namespace {

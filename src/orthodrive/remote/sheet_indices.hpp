@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "orthodrive/remote/fetch_kinds.hpp"
-#include "orthodrive/remote/link_address.hpp"
-#include "orthodrive/remote/sheet_choice.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
+#include "orthodrive/remote/sheets/sheet_choice.hpp"
 
 namespace orthodrive::remote {
 

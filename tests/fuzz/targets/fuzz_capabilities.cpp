@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "memory_file.hpp"
-#include "orthodrive/remote/capabilities.hpp"
-#include "orthodrive/remote/tile_matrix.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
+#include "orthodrive/remote/tiles/capabilities.hpp"
+#include "orthodrive/remote/tiles/tile_matrix.hpp"
 
 namespace {
 using namespace orthodrive;

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "memory_file.hpp"
-#include "orthodrive/remote/tile_store.hpp"
+#include "orthodrive/remote/tiles/tile_store.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::MemoryFile file;

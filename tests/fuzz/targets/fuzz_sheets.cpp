@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "memory_file.hpp"
-#include "orthodrive/remote/atom_feed.hpp"
-#include "orthodrive/remote/link_address.hpp"
-#include "orthodrive/remote/stac_items.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
+#include "orthodrive/remote/sheets/atom_feed.hpp"
+#include "orthodrive/remote/sheets/stac_items.hpp"
 
 namespace {
 using namespace orthodrive;

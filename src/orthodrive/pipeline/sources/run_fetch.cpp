@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/source_record.hpp"
+#include "orthodrive/remote/source/source_record.hpp"
 
 namespace orthodrive {
 

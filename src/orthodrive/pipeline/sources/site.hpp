@@ -11,7 +11,7 @@
 #include "orthodrive/model/roads/parse_driving_side.hpp"
 #include "orthodrive/model/roads/road_material.hpp"
 #include "orthodrive/model/site_frame.hpp"
-#include "orthodrive/remote/fetch_source.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
 
 namespace orthodrive {
 

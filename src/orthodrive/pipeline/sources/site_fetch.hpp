@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "orthodrive/remote/fetch_source.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
 
 namespace orthodrive {
 

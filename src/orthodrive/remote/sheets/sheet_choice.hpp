@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "orthodrive/model/site_frame.hpp"
-#include "orthodrive/remote/sheet.hpp"
+#include "orthodrive/remote/sheets/sheet.hpp"
 
 namespace orthodrive::remote {
 

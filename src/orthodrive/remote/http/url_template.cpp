@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 
 #include <fmt/format.h>
 

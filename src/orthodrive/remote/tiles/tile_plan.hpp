@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "orthodrive/model/site_frame.hpp"
-#include "orthodrive/remote/fetch_source.hpp"
-#include "orthodrive/remote/http_client.hpp"
-#include "orthodrive/remote/secrets.hpp"
-#include "orthodrive/remote/tile_matrix.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
+#include "orthodrive/remote/http/secrets.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
+#include "orthodrive/remote/tiles/tile_matrix.hpp"
 
 namespace orthodrive::remote {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/tile_store.hpp"
+#include "orthodrive/remote/tiles/tile_store.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/sqlite.hpp"
+#include "orthodrive/remote/tiles/sqlite.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/secrets.hpp"
+#include "orthodrive/remote/http/secrets.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <regex>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 
 namespace orthodrive::remote {
 

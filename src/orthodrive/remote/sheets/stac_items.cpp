@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/stac_items.hpp"
+#include "orthodrive/remote/sheets/stac_items.hpp"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,10 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
-#include "orthodrive/remote/capabilities.hpp"
-#include "orthodrive/remote/link_address.hpp"
-#include "orthodrive/remote/sheet.hpp"
-#include "orthodrive/remote/xml_text.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
+#include "orthodrive/remote/http/xml_text.hpp"
+#include "orthodrive/remote/sheets/sheet.hpp"
+#include "orthodrive/remote/tiles/capabilities.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "orthodrive/remote/http_client.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
 
 namespace orthodrive::remote {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "orthodrive/remote/http_client.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
 
 namespace orthodrive::remote {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/source_record.hpp"
+#include "orthodrive/remote/source/source_record.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

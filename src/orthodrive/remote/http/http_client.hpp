@@ -12,7 +12,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/remote/secrets.hpp"
+#include "orthodrive/remote/http/secrets.hpp"
 
 namespace orthodrive::remote {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/sheet.hpp"
+#include "orthodrive/remote/sheets/sheet.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "orthodrive/model/site_frame.hpp"
-#include "orthodrive/remote/fetch_source.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
 
 namespace orthodrive::remote {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/atom_feed.hpp"
+#include "orthodrive/remote/sheets/atom_feed.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/capabilities.hpp"
-#include "orthodrive/remote/link_address.hpp"
-#include "orthodrive/remote/sheet.hpp"
-#include "orthodrive/remote/xml_text.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
+#include "orthodrive/remote/http/xml_text.hpp"
+#include "orthodrive/remote/sheets/sheet.hpp"
+#include "orthodrive/remote/tiles/capabilities.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

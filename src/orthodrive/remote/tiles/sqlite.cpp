@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/sqlite.hpp"
+#include "orthodrive/remote/tiles/sqlite.hpp"
 
 #include <fmt/format.h>
 

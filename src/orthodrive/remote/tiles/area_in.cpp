@@ -7,7 +7,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/remote/tile_plan.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/xml_text.hpp"
+#include "orthodrive/remote/http/xml_text.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/sheet_choice.hpp"
+#include "orthodrive/remote/sheets/sheet_choice.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/remote/tile_plan.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/tile_matrix.hpp"
+#include "orthodrive/remote/tiles/tile_matrix.hpp"
 
 #include <algorithm>
 #include <cmath>

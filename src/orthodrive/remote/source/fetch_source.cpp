@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/fetch_source.hpp"
+#include "orthodrive/remote/source/fetch_source.hpp"
 
 #include <fmt/format.h>
 

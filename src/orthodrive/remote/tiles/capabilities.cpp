@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/capabilities.hpp"
+#include "orthodrive/remote/tiles/capabilities.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <pugixml.hpp>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/remote/xml_text.hpp"
+#include "orthodrive/remote/http/xml_text.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

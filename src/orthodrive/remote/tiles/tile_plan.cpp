@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/tile_plan.hpp"
+#include "orthodrive/remote/tiles/tile_plan.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/crs_facts.hpp"
-#include "orthodrive/remote/tile_services.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
+#include "orthodrive/remote/tiles/tile_services.hpp"
 
 namespace orthodrive::remote {
 namespace {

@@ -14,8 +14,8 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
-#include "orthodrive/remote/http_state.hpp"
-#include "orthodrive/remote/http_transfer.hpp"
+#include "orthodrive/remote/http/http_state.hpp"
+#include "orthodrive/remote/http/http_transfer.hpp"
 
 namespace orthodrive::remote {
 namespace {

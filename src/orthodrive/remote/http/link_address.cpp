@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/link_address.hpp"
+#include "orthodrive/remote/http/link_address.hpp"
 
 #include <curl/curl.h>
 
@@ -8,7 +8,7 @@
 #include <cctype>
 #include <memory>
 
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/http_transfer.hpp"
+#include "orthodrive/remote/http/http_transfer.hpp"
 
 #include <fmt/format.h>
 

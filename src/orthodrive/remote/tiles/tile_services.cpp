@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/remote/tile_services.hpp"
+#include "orthodrive/remote/tiles/tile_services.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/support/crs_facts.hpp"
-#include "orthodrive/remote/url_template.hpp"
+#include "orthodrive/remote/http/url_template.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::remote {

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "orthodrive/remote/tile_matrix.hpp"
+#include "orthodrive/remote/tiles/tile_matrix.hpp"
 
 namespace orthodrive::remote {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Based on libcurl's multi interface: one thread, so that nothing here needs a lock.
-#include "orthodrive/remote/http_client.hpp"
+#include "orthodrive/remote/http/http_client.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/stop.hpp"
-#include "orthodrive/remote/http_state.hpp"
-#include "orthodrive/remote/http_transfer.hpp"
+#include "orthodrive/remote/http/http_state.hpp"
+#include "orthodrive/remote/http/http_transfer.hpp"
 
 namespace orthodrive::remote {
 namespace {
