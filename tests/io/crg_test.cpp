@@ -12,6 +12,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive/opencrg_io.hpp"
 #include "paths.hpp"
+#include "roadquery/crg/crg_grid.hpp"
 
 namespace orthodrive {
 namespace {
@@ -75,7 +76,7 @@ TEST_F(AsamCrg, circle_lies_on_a_circle) {
   for (const double v : {1.0, -1.0}) {
     const Vec2 p = crg_xy(s, {35.0, v});
     EXPECT_NEAR(distance(p, center), radius * std::cos(0.125) - v, 1e-12);
-    const auto uv = crg_uv(s, p);
+    const auto uv = roadquery::CrgGrid({.surface = s}).place(p.x, p.y);
     ASSERT_TRUE(uv);
     EXPECT_NEAR(uv->u_m, 35.0, 1e-12);
     EXPECT_NEAR(uv->v_m, v, 1e-12);
@@ -276,19 +277,23 @@ TEST(Crg, value_too_long_for_its_column_is_refused) {
 
 TEST(Crg, place_and_grid_are_each_others_inverse) {
   const CrgSurface s = test_surface(false);
+  const roadquery::CrgGrid grid({.surface = s});
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(s.u_start_m, s.u_end_m()), v(-2.0, 3.3);
   for (int i = 0; i < 500; ++i) {
     const CrgUv want{u(random), v(random)};
-    for (const double hint : {std::numeric_limits<double>::quiet_NaN(), want.u_m, s.u_start_m, s.u_end_m()}) {
-      const auto got = crg_uv(s, crg_xy(s, want), hint);
+    const Vec2 p = crg_xy(s, want);
+    for (const auto& got : {grid.place(p.x, p.y), grid.place(p.x, p.y, want.u_m), grid.place(p.x, p.y, s.u_start_m),
+                            grid.place(p.x, p.y, s.u_end_m())}) {
       ASSERT_TRUE(got);
       EXPECT_NEAR(got->u_m, want.u_m, 1e-7);
       EXPECT_NEAR(got->v_m, want.v_m, 1e-7);
     }
   }
-  EXPECT_FALSE(crg_uv(s, crg_xy(s, {s.u_start_m - 1.0, 0.0})));
-  EXPECT_FALSE(crg_uv(s, crg_xy(s, {s.u_end_m() + 1.0, 0.0})));
+  for (const double u_m : {s.u_start_m - 1.0, s.u_end_m() + 1.0}) {
+    const Vec2 beyond = crg_xy(s, {u_m, 0.0});
+    EXPECT_NEAR(grid.place(beyond.x, beyond.y).value().u_m, u_m, 1e-7) << "straight on";
+  }
 }
 
 TEST(Crg, bytes_lost_as_newlines_are_put_back) {

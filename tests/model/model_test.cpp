@@ -51,7 +51,9 @@ TEST(SampleHeight, merging_takes_the_best_grid_that_has_a_height) {
   HeightGrid coarse = grid_of([](Vec2) { return 7.0; }), fine{.frame = {1040.0, 1990.0, 2.0, 10, 10}};
   fine.height_m = Raster<float>(10, 10, 1, 9.0f);
   fine.height_m.at(5, 5) = std::numeric_limits<float>::quiet_NaN();
-  const HeightGrid merged = merge_heights({fine, coarse}, coarse.frame.bounds());
+  const std::vector<HeightGrid> best_first{fine, coarse};
+  const HeightSource source = merged_source(best_first, coarse.frame.bounds());
+  const HeightGrid merged{.frame = source.frame, .height_m = source.read(pixels_of(source.frame))};
   EXPECT_EQ(merged.frame.gsd_m, 2.0);
   EXPECT_NEAR(sample_bilinear(merged, {1045.0, 1985.0}), 9.0, 1e-6);
   EXPECT_NEAR(sample_bilinear(merged, fine.frame.center_of(5, 5)), 7.0, 1e-6);

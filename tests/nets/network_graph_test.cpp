@@ -135,6 +135,16 @@ TEST(NetworkGraph, sizes_of_appendix_b) {
   EXPECT_EQ(google.output_shift, -3);
 }
 
+long long parameter_count(const NetworkGraph& graph) {
+  long long count = 0;
+  for (const Layer& layer : graph.layers) {
+    if (layer.kernel_tensor.empty()) continue;
+    count += static_cast<long long>(layer.kernel) * layer.kernel * layer.in * (layer.depthwise ? 1 : layer.out);
+    count += layer.norm_tensors.empty() ? layer.out : 2 * layer.out;
+  }
+  return count;
+}
+
 /// The published networks have 138.36 and 7.0 million weights with their classifiers of 1000 classes; without those,
 /// and with the scores and deconvolutions of the reference:
 TEST(NetworkGraph, parameter_counts) {

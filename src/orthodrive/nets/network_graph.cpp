@@ -115,14 +115,4 @@ std::vector<double> cells_per_pixel(const NetworkGraph& graph) {
   return cells;
 }
 
-long long parameter_count(const NetworkGraph& graph) {
-  long long count = 0;
-  for (const Layer& layer : graph.layers) {
-    if (layer.kernel_tensor.empty()) continue;
-    count += static_cast<long long>(layer.kernel) * layer.kernel * layer.in * (layer.depthwise ? 1 : layer.out);
-    count += layer.norm_tensors.empty() ? layer.out : 2 * layer.out;
-  }
-  return count;
-}
-
 }  // namespace orthodrive

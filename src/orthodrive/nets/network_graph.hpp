@@ -87,6 +87,4 @@ struct ReceptiveField {
 /// Cells of each layer per pixel of the image.
 [[nodiscard]] std::vector<double> cells_per_pixel(const NetworkGraph& graph);
 
-[[nodiscard]] long long parameter_count(const NetworkGraph& graph);
-
 }  // namespace orthodrive

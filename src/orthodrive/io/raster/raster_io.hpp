@@ -72,7 +72,7 @@ struct ReadDtmsOptions {
   double least_coverage =
       0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle
 };
-/// Several terrain models, best first, that cover the area together (model/rasters/sample_height.hpp: merge_heights).
+/// Several terrain models, best first, that cover the area together (model/rasters/sample_height.hpp: merged_source).
 /// One that is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Where two
 /// differ by a constant, one is shifted onto the other (`terrain.shifted`): heights over the ellipsoid onto those over
 /// sea level, else those without a named vertical datum, else the later one. Where they differ otherwise

@@ -77,10 +77,4 @@ HeightSource merged_source(const std::vector<HeightGrid>& best_first, const Box2
           }};
 }
 
-HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box) {
-  if (best_first.size() == 1) return best_first.front();
-  const HeightSource source = merged_source(best_first, box);
-  return {source.crs, source.frame, source.read(pixels_of(source.frame)), best_first.front().vertical_datum};
-}
-
 }  // namespace orthodrive

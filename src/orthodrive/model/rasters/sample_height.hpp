@@ -17,11 +17,9 @@ enum class HeightSampling { bilinear, cubic };
 [[nodiscard]] double sample_cubic(const HeightGrid& grid, Vec2 p);
 [[nodiscard]] double sample_height(const HeightGrid& grid, Vec2 p, HeightSampling sampling);
 
-/// One grid over `box` at the smallest GSD of the given ones: each pixel takes the first grid (best first) that has a
-/// height there (cubic), NaN where none has. A single grid is returned as it is. All share one CRS; at least one is
-/// given.
-[[nodiscard]] HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box);
-/// The same window by window. The grids must outlive the source.
+/// One grid over `box` at the smallest GSD of the given ones, window by window: each pixel takes the first grid (best
+/// first) that has a height there (cubic), NaN where none has. A single grid stays as it is. All share one CRS; at
+/// least one is given. The grids must outlive the source.
 [[nodiscard]] HeightSource merged_source(const std::vector<HeightGrid>& best_first, const Box2& box);
 
 }  // namespace orthodrive

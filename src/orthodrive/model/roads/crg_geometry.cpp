@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace orthodrive {
 namespace {
@@ -37,26 +39,6 @@ std::pair<std::size_t, double> row_at(const CrgSurface& s, double u_m) {
   return {static_cast<std::size_t>(i), row - i};
 }
 
-struct StripPlace {
-  double share = 0.0, v_m = 0.0;
-  bool folded = false;  ///< beyond the place where the lines across meet
-};
-
-StripPlace place_in(const Strip& strip, Vec2 p) {
-  StripPlace place;
-  place.v_m = dot(p - strip.start, strip.normal);
-  const Vec2 a = strip.start + strip.across_start * place.v_m, b = strip.end + strip.across_end * place.v_m;
-  const Vec2 chord = strip.end - strip.start;
-  const double length = dot(b - a, chord);
-  place.folded = length <= 0.0;
-  place.share = place.folded ? 0.0 : dot(p - a, chord) / length;
-  return place;
-}
-
-bool inside(const StripPlace& place) {
-  return !place.folded && place.share >= -border_rounding && place.share <= 1.0 + border_rounding;
-}
-
 }  // namespace
 
 Vec2 crg_xy(const CrgSurface& s, CrgUv uv) {
@@ -69,28 +51,6 @@ Vec2 crg_xy(const CrgSurface& s, CrgUv uv) {
   }
   const Vec2 a = strip.start + strip.across_start * uv.v_m, b = strip.end + strip.across_end * uv.v_m;
   return a + (b - a) * share;
-}
-
-std::optional<CrgUv> crg_uv(const CrgSurface& s, Vec2 xy, double u_hint_m) {
-  const std::size_t strips = s.rows() - 1;
-  const auto found = [&](std::size_t i, const StripPlace& place) {
-    return CrgUv{s.u_start_m + (static_cast<double>(i) + place.share) * s.u_increment_m, place.v_m};
-  };
-  if (!std::isnan(u_hint_m)) {
-    std::size_t i = row_at(s, u_hint_m).first;
-    for (std::size_t step = 0; step < strips; ++step) {
-      const StripPlace place = place_in(strip_at(s, i), xy);
-      if (inside(place)) return found(i, place);
-      if (place.folded || (place.share < 0.0 && i == 0) || (place.share > 1.0 && i + 1 == strips)) break;
-      i = place.share < 0.0 ? i - 1 : i + 1;
-    }
-  }
-  std::optional<CrgUv> best;
-  for (std::size_t i = 0; i < strips; ++i) {
-    const StripPlace place = place_in(strip_at(s, i), xy);
-    if (inside(place) && (!best || std::abs(place.v_m) < std::abs(best->v_m))) best = found(i, place);
-  }
-  return best;
 }
 
 double crg_height(const CrgSurface& s, CrgUv uv) {
