@@ -102,7 +102,7 @@ def read_arrows(root):
 
 
 def read_folders(root):
-    """{room: its own folders in the order of their arrows}: the FOLDERS of orthodrive_library, or of a room beside it."""
+    """{room: its own folders in the order of their arrows}: FOLDERS of orthodrive_library, or of a room beside."""
     folders = {}
     for file in sorted((root / "src").glob("*/CMakeLists.txt")):
         for words in re.findall(r"set\(FOLDERS ([a-z ]+)\)", file.read_text()):
@@ -233,7 +233,9 @@ def check(root):
     findings += [f"{room}: FOLDERS and the folder {folder} do not agree" for room, folder in sorted(used ^ listed)]
     places, count = {}, collections.Counter(name.rsplit("/", 1)[0] for name in known)
     findings += [
-        f"{folder}: {files} files, at most {MOST_FILES}" for folder, files in sorted(count.items()) if files > MOST_FILES
+        f"{folder}: {files} files, at most {MOST_FILES}"
+        for folder, files in sorted(count.items())
+        if files > MOST_FILES
     ]
     for name in known:
         folder, file = name.rsplit("/", 1)
