@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What scripts and tests can ask and do: window.orthodrive.
 
-import type {CameraMode} from './cameras';
+import type {CameraMode, View} from './cameras';
 import type {CarState} from './lap';
 import type {LayerName} from './layers/layer_switches';
 import type {HeldTile} from './tiles/tile_layers';
@@ -34,6 +34,8 @@ export interface Api {
   /** A place in the picture: -1..1 to the right and up, and up to 1 ahead. */
   pictured(x_m: number, y_m: number, z_m: number): [number, number, number];
   setCamera(mode: CameraMode): void;
+  /** Flies to a view, from the site's origin. */
+  setView(view: View): void;
   setLayer(layer: LayerName, on: boolean): void;
   setTime(t_s: number): void;
   setPlaying(on: boolean): void;

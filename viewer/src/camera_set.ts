@@ -87,6 +87,10 @@ export class CameraSet {
   get view(): View | undefined {
     return this.atCar ? undefined : this.map.view;
   }
+  /** Of the one that is looked through, or that was last. */
+  set view(view: View) {
+    this.map.view = view;
+  }
   private get map(): FlyCamera {
     return this.chosen === 'top' ? this.top : this.fly;
   }

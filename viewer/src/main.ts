@@ -12,6 +12,7 @@ import {Drive} from './car/drive';
 import type {Lap} from './lap';
 import {SiteLayers} from './layers/site_layers';
 import * as panel from './panel';
+import {PictureTime} from './picture_time';
 import {loadCar, loadNotes, loadSite, type Site, type SiteCar, type SiteNotes} from './site';
 import {Sky} from './sky/sky';
 import {sunDirection, zoneHours} from './sky/sun';
@@ -45,7 +46,10 @@ function textOf(what: Record<string, string>): string {
   return parts.filter(Boolean).join(' · ');
 }
 
-/** A picture that shows nothing but more detail takes time from loading it: there are so many seconds between two. */
+/**
+ * A picture that shows nothing but more detail takes time from loading it: at least so many seconds lie between two, and at
+ * least as many as the last one took.
+ */
 const betweenDetails_s = 0.5;
 
 class Viewer {
@@ -69,7 +73,8 @@ class Viewer {
   readonly firstPicture = new Promise<void>((resolve) => (this.isDrawn = resolve));
   private stale = true; // the picture shows an earlier state
   private coarse = false; // tiles have come or gone since the picture
-  private drawn_ms = 0;
+  private readonly pictureTime = new PictureTime(this.renderer.getContext() as WebGL2RenderingContext);
+  private completeBefore = false; // nothing was on its way a moment ago
   private ready = false; // no tile is missing in the picture
   private settled = 0; // pictures in which none was missing
   private hasCar = false; // or it is known that there is none
@@ -234,7 +239,7 @@ class Viewer {
       this.layers.tiles.allowFine();
       this.isDrawn();
     }
-    this.drawn_ms = this.last_ms;
+    this.pictureTime.asked(this.last_ms);
     this.wasCovered = this.layers.tiles.covered;
     this.stale = this.coarse = false;
   }
@@ -260,7 +265,11 @@ class Viewer {
     if (!this.bounds || (isAtCar(this.wanted.camera) && !this.hasCar)) return false; // nobody knows where to look from
     const {complete, covered} = this.layers.tiles;
     if (this.stale) return covered || complete;
-    return this.coarse && (complete || this.last_ms - this.drawn_ms > 1000 * betweenDetails_s);
+    if (!this.coarse) return false;
+    const {pictureTime} = this;
+    const since_ms = pictureTime.since(this.last_ms);
+    const isAll = complete && this.completeBefore; // a tile that has come asks for finer ones a moment later
+    return since_ms >= 0 && (isAll || since_ms > Math.max(1000 * betweenDetails_s, pictureTime.last_ms));
   }
 
   private tick(now_ms: number): void {
@@ -275,7 +284,9 @@ class Viewer {
       this.cameras.active.updateMatrixWorld();
       this.layers.tiles.update(this.cameras.active, this.renderer); // tells of new tiles through onChange
       if (this.isDue) this.draw();
-      this.settled = this.layers.complete && this.hasAll && !this.ghostPending ? this.settled + 1 : 0;
+      this.completeBefore = this.layers.tiles.complete;
+      const isDrawn = !this.stale && !this.coarse;
+      this.settled = isDrawn && this.layers.complete && this.hasAll && !this.ghostPending ? this.settled + 1 : 0;
       this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
     if (this.layers.tiles.failures.length > this.shownFailures)
@@ -349,6 +360,10 @@ class Viewer {
       pictured: (x_m, y_m, z_m) =>
         new Vector3(x_m, y_m, z_m).project(cameras.active).toArray() as [number, number, number],
       setCamera: (mode) => this.setCamera(mode),
+      setView: (view) => {
+        this.setCamera('fly');
+        cameras.view = view;
+      },
       setLayer: (layer, on) => switches.set(layer, on),
       setTime: (t_s) => {
         if (this.drive) this.drive.t_s = t_s;

@@ -8,12 +8,12 @@ import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
-import {checkDashboard, checkDriving, checkGhost} from './drive_checks.mjs';
+import {checkDashboard, checkDriving, checkGhost, checkGhostPicture} from './drive_checks.mjs';
 import {checkGround} from './ground_checks.mjs';
 import {checkHostileTexts} from './hostile_checks.mjs';
 import {checkLayers} from './layer_checks.mjs';
 import {checkNarrow, checkTouch} from './narrow_checks.mjs';
-import {readLap, sceneShot, showAll, sparse, waitUntilDrawn} from './page_helpers.mjs';
+import {bare, readLap, sceneShot, showAll, sparse, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures, pictureStatistics} from './pictures.mjs';
 import {openBrowser, serveSite} from './serve_and_open.mjs';
 
@@ -31,22 +31,26 @@ async function timed(check, ...words) {
   return result;
 }
 
-/** The first picture shows tiles wherever the site is seen, from where the address says; the page's controls come after it. */
-async function checkFirstPicture(context, url) {
-  for (const camera of ['fly', 'driver']) {
-    const page = await context.newPage();
-    await page.addInitScript(() => {
-      const look = () => {
-        const {orthodrive} = window;
-        const panel = document.getElementById('panel');
-        if (!orthodrive || orthodrive.frame === 0)
-          window.earlyPanel ||= panel !== null && panel.getBoundingClientRect().width > 0;
-        else window.first ??= {covered: orthodrive.covered, mode: orthodrive.mode, tiles: orthodrive.tilesVisible};
-        if (!window.first) requestAnimationFrame(look);
-      };
-      requestAnimationFrame(look);
-    });
-    await page.goto(`${url}?play=0&camera=${camera}&t=8`);
+/** The first picture shows tiles wherever the site is seen, from where the address says; the page's controls come after it. Ends over the site. */
+async function checkFirstPicture(context, page, url) {
+  const [{width, height}, session] = [page.viewportSize(), await context.newCDPSession(page)];
+  await page.addInitScript(() => {
+    const look = () => {
+      const {orthodrive} = window;
+      const panel = document.getElementById('panel');
+      if (!orthodrive || orthodrive.frame === 0)
+        window.earlyPanel ||= panel !== null && panel.getBoundingClientRect().width > 0;
+      else window.first ??= {covered: orthodrive.covered, mode: orthodrive.mode, tiles: orthodrive.tilesVisible};
+      if (!window.first) requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  });
+  for (const [camera, pixels, address] of [
+    ['driver', 0.5, '&camera=driver&t=8'], // the road near the eye takes long to draw
+    ['fly', 1, ''],
+  ]) {
+    await session.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: pixels, mobile: false});
+    await page.goto(`${url}?play=0${address}`);
     await waitUntilDrawn(page);
     const {first, earlyPanel} = await page.evaluate(() => ({first: window.first, earlyPanel: window.earlyPanel}));
     assert.deepEqual(
@@ -57,7 +61,6 @@ async function checkFirstPicture(context, url) {
     assert.ok(first.tiles > 0, 'the first picture shows no tiles');
     assert.ok(!earlyPanel, 'the panel comes before the first picture');
     assert.ok((await page.isVisible('#panel')) && (await page.isVisible('#map')), 'the page has no controls');
-    await page.close();
   }
 }
 
@@ -77,7 +80,6 @@ async function checkFollowCamera(page) {
   const tileset = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8'));
   const {origin} = tileset.asset.extras.orthodrive;
   const lap = readLap(siteDir, ['t_s', 'x_m', 'y_m', 'z_m']);
-  await page.evaluate(() => window.orthodrive.setPlaying(false));
   await page.evaluate(() => window.orthodrive.setCamera('follow'));
   let worstGap_m = 0;
   const cameras = [];
@@ -101,7 +103,6 @@ async function checkFollowCamera(page) {
   console.log(`follow: largest gap between the car and the surface under it ${worstGap_m.toFixed(3)} m`);
   assert.ok(worstGap_m < 0.25, 'the car floats above or sinks into the surface');
   assert.ok(Math.hypot(cameras[0][0] - cameras[1][0], cameras[0][1] - cameras[1][1]) > 1, 'the camera does not follow');
-  writeFileSync(join(siteDir, 'viewer_follow.png'), await page.screenshot());
 }
 
 async function checkPlaying(page) {
@@ -119,6 +120,7 @@ async function checkPlaying(page) {
 /** Every camera shows something, from where its name says. */
 async function checkCameras(page) {
   for (const [mode, nearest_m, farthest_m] of [
+    ['follow', 3, 15],
     ['orbit', 3, 200],
     ['driver', 0.5, 2],
     ['top', 100, 1e5],
@@ -143,19 +145,20 @@ async function checkCameras(page) {
 
 /** The sun goes from east to west, and twice the obliquity higher in June than in December; its shadows are seen. */
 async function checkSun(page) {
-  const sunAt = (date, hour) =>
+  const sunsAt = (date, ...hours) =>
     page.evaluate(
-      ([day, clock]) => {
-        window.orthodrive.setDay(day, clock);
-        return window.orthodrive.sun;
-      },
-      [date, hour],
+      ([day, clocks]) =>
+        clocks.map((clock) => {
+          window.orthodrive.setDay(day, clock);
+          return window.orthodrive.sun;
+        }),
+      [date, hours],
     );
-  const degrees = (z) => (Math.asin(z) * 180) / Math.PI;
+  const sunAt = async (date, hour) => (await sunsAt(date, hour))[0];
+  const aroundNoon = Array.from({length: 41}, (_, i) => 10 + 0.1 * i);
   const highest = async (date) => {
-    let z = -1;
-    for (let hour = 10; hour <= 14; hour += 0.1) z = Math.max(z, (await sunAt(date, hour))[2]);
-    return degrees(z);
+    const z = Math.max(...(await sunsAt(date, ...aroundNoon)).map((sun) => sun[2]));
+    return (Math.asin(z) * 180) / Math.PI;
   };
   const difference = (await highest('2026-06-21')) - (await highest('2026-12-21'));
   assert.ok(
@@ -179,7 +182,8 @@ async function checkLink(page) {
     window.orthodrive.setDay('2026-10-01', 9.25);
     window.orthodrive.setLayer('buildings', false);
     window.orthodrive.setLayer('lanes', true);
-    window.orthodrive.setCamera('fly');
+    const {x_m, y_m, z_m} = window.orthodrive.car;
+    window.orthodrive.setView({eye: [x_m - 120, y_m - 200, z_m + 120], target: [x_m, y_m, z_m]}); // a link has centimetres
   });
   const before = await sceneShot(page);
   await page.goto(await page.evaluate(() => window.orthodrive.link));
@@ -223,7 +227,7 @@ async function checkBrokenTile(context, url) {
     await page.route(`**/${withParent[0]}`, breakTile);
     const {origin} = findTile(tileset.root, withParent[0]).extras;
     const near = [origin[0] + 1, origin[1] - 60, origin[2] + 60]; // so near that the finest level is asked for
-    await page.goto(`${url}?play=0&camera=fly&${sparse}&eye=${near.join(',')}&target=${origin.join(',')}`);
+    await page.goto(`${url}?play=0&camera=fly&${bare}&eye=${near.join(',')}&target=${origin.join(',')}`);
     await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready);
     const [failure] = await page.evaluate(() => window.orthodrive.failures);
     console.log('broken tile:', failure);
@@ -256,20 +260,24 @@ async function checkNoWebGl(context, url) {
   await page.close();
 }
 
+/** `page` shows the lap from behind the car. What a check does not look at is not drawn meanwhile: time goes with it. */
 async function checkWhatComesAfter(context, page, url) {
   await timed(checkFollowCamera, page);
-  await showAll(page, false); // a page drives a quarter of a second a picture at most
   await timed(checkLayers, page, siteDir);
-  writeFileSync(join(siteDir, 'viewer_ground.png'), await timed(checkGround, context, url));
+  writeFileSync(join(siteDir, 'viewer_ground.png'), await timed(checkGround, page));
+  await showAll(page, false);
   await timed(checkPlaying, page);
   await timed(checkDriving, page, siteDir);
   await timed(checkDashboard, context, page, url, siteDir);
-  await showAll(page, true);
   await timed(checkGhost, context, url, siteDir);
+  await showAll(page, true);
   await timed(checkCameras, page);
-  await timed(checkClick, page);
   await timed(checkSun, page);
+  await showAll(page, false, sparse);
+  await timed(checkGhostPicture, page, siteDir);
+  await timed(checkClick, page);
   await timed(checkLink, page);
+  await showAll(page, false);
   await timed(checkNarrow, page, siteDir);
 }
 
@@ -301,20 +309,26 @@ async function checkWithMouse(context, url) {
     'response',
     (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`),
   );
-  if (part !== 'rest') await timed(checkFirstPicture, context, url);
-  await page.goto(`${url}?play=0`);
-  await timed(checkFlyCamera, page); // waits until all is there, too
-  if (part !== 'first') await checkWhatComesAfter(context, page, url);
+  if (part !== 'rest') {
+    await timed(checkFirstPicture, context, page, url);
+    await timed(checkFlyCamera, page);
+  }
+  if (part !== 'first') {
+    await page.goto(`${url}?play=0&camera=follow&${sparse}`);
+    await waitUntilDrawn(page);
+    await checkWhatComesAfter(context, page, url);
+  }
   assert.deepEqual(problems, [], 'the page reports errors');
   if (part !== 'first') await checkWhatGoesWrong(context, url);
 }
 
 const server = await serveSite(tool, siteDir);
 try {
-  const pixels = part === 'rest' ? 0.5 : 1; // time goes with the pixels
-  await inBrowser({pixels}, (context) => checkWithMouse(context, server.url));
+  const plain = part === 'rest';
+  const pixels = plain ? 0.5 : 1; // time goes with the pixels
+  await inBrowser({pixels, plain}, (context) => checkWithMouse(context, server.url));
   if (part !== 'first')
-    await inBrowser({pixels, touch: true}, (context) => timed(checkTouch, context, server.url, siteDir));
+    await inBrowser({pixels, plain, touch: true}, (context) => timed(checkTouch, context, server.url, siteDir));
 } finally {
   assert.equal(await server.stop(), 0, 'orthodrive view does not end well on Ctrl-C');
 }

@@ -61,15 +61,11 @@ const inPage = (page, name, ...values) =>
   page.evaluate(([call, all]) => window.orthodrive[call](...all), [name, values]);
 const stateOf = (page) => page.evaluate(() => window.orthodrive.state);
 
-async function openTileset(page, url) {
+/** All of the site from above: it is where it should be. */
+async function checkAbove(page, url) {
   await page.goto(url);
   await page.waitForFunction(() => window.orthodrive);
   await inPage(page, 'open');
-}
-
-/** All of the site from above: it is where it should be. */
-async function checkAbove(page, url) {
-  await openTileset(page, url);
   const {loaded, failures, lonLatDegHeight_m, radius_m} = await stateOf(page);
   const away_m = apart_m(lonLatDegHeight_m, middleOfSite());
   console.log(
@@ -102,10 +98,10 @@ function firstContent(tile) {
 }
 
 /** The test can fail: a broken tile is told. */
-async function checkBrokenTile(page, url) {
+async function checkBrokenTile(page) {
   const tileset = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8'));
   await page.route(`**/${firstContent(tileset.root).uri}`, (route) => route.fulfill({body: 'not a tile'}));
-  await openTileset(page, url);
+  await inPage(page, 'open');
   const {failures} = await stateOf(page);
   console.log('broken tile:', failures);
   assert.ok(failures.length > 0, 'CesiumJS says nothing of a broken tile');
@@ -117,7 +113,7 @@ cpSync(new URL('../node_modules/cesium/Build/Cesium', import.meta.url), join(scr
 const server = await serveSite(tool, siteDir, {ORTHODRIVE_VIEWER_DIR: scratch});
 let context;
 try {
-  context = await openBrowser(profile, {pixels: 0.5, bypassCSP: true}); // the policy is for our page, not for this one
+  context = await openBrowser(profile, {pixels: 0.5, plain: true, bypassCSP: true}); // the policy is for our page, not for this one
   const problems = [];
   await context.route(
     (url) => ['http:', 'https:'].includes(url.protocol) && !url.href.startsWith(server.url),
@@ -137,7 +133,7 @@ try {
   await checkLap(page);
   assert.deepEqual((await stateOf(page)).failures, [], 'tiles failed');
   assert.deepEqual(problems, [], 'the page reports errors');
-  await checkBrokenTile(page, server.url);
+  await checkBrokenTile(page);
 } finally {
   await context?.close();
   assert.equal(await server.stop(), 0, 'orthodrive view does not end well on Ctrl-C');

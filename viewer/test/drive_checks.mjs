@@ -6,7 +6,7 @@ import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
-import {changedLap, readLap, sceneShot, sparse, waitUntilDrawn} from './page_helpers.mjs';
+import {bare, changedLap, readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures} from './pictures.mjs';
 
 /** Where the lap turns least in the next seconds: a car whose wheel nobody holds stays on the road there. */
@@ -113,7 +113,7 @@ export async function checkDashboard(context, page, url, siteDir) {
     );
     const other = await context.newPage();
     await other.route('**/site/drive/lap.csv', (route) => route.fulfill({body: csv}));
-    await other.goto(`${url}?play=0&camera=follow&t=8&${sparse}`);
+    await other.goto(`${url}?play=0&camera=follow&t=8&${bare}`);
     await waitUntilDrawn(other);
     const shown = await readDashboard(other);
     for (const id of dashboardParts)
@@ -130,7 +130,7 @@ export async function checkGhost(context, url, siteDir) {
   const faster = changedLap(siteDir, (row) => ({...row, t_s: row.t_s * factor, speed_mps: row.speed_mps / factor}));
   const page = await context.newPage();
   await page.route(`**/site/${lapFolder}/lap.csv`, (route) => route.fulfill({body: faster}));
-  await page.goto(`${url}?play=0&camera=follow&t=4&${sparse}&ghost=${lapFolder}/lap.csv`);
+  await page.goto(`${url}?play=0&camera=follow&t=4&${bare}&ghost=${lapFolder}/lap.csv`);
   await waitUntilDrawn(page);
   const state = async (t_s) => {
     await page.evaluate((t) => window.orthodrive.setTime(t), t_s);
@@ -151,6 +151,20 @@ export async function checkGhost(context, url, siteDir) {
     assert.ok(ghost.s_m > car.s_m + 1 && apart_m > 1, 'the faster car is not ahead');
   }
   const withGhost = await sceneShot(page);
+  await page.goto(await page.evaluate(() => window.orthodrive.link));
+  const restored = await comparePictures(page, withGhost, await sceneShot(page));
+  assert.ok(restored < 0.001, `${(100 * restored).toFixed(1)} % of the pixels differ under the same link with a ghost`);
+  await checkGhostFiles(page, faster);
+  await page.close();
+}
+
+/** The ghost stands in the picture, and its switch takes it and its gap away. `page` shows the lap from behind the car. */
+export async function checkGhostPicture(page, siteDir) {
+  const faster = changedLap(siteDir, (row) => ({...row, t_s: row.t_s * factor, speed_mps: row.speed_mps / factor}));
+  await page.evaluate(() => window.orthodrive.setTime(4));
+  await page.setInputFiles('#ghost-file', {name: 'faster.csv', mimeType: 'text/csv', buffer: Buffer.from(faster)});
+  await page.waitForFunction(() => window.orthodrive.ghost !== undefined);
+  const withGhost = await sceneShot(page);
   await page.screenshot({path: join(siteDir, 'viewer_ghost.png')});
   await page.evaluate(() => window.orthodrive.setLayer('ghost', false));
   const changed = await comparePictures(page, withGhost, await sceneShot(page));
@@ -158,11 +172,8 @@ export async function checkGhost(context, url, siteDir) {
   assert.ok(changed > 0.002, 'the ghost is not to be seen');
   assert.ok(await page.isHidden('#gap-row'), 'there is a gap to a ghost that is not shown');
   await page.evaluate(() => window.orthodrive.setLayer('ghost', true));
-  await page.goto(await page.evaluate(() => window.orthodrive.link));
-  const restored = await comparePictures(page, withGhost, await sceneShot(page));
-  assert.ok(restored < 0.001, `${(100 * restored).toFixed(1)} % of the pixels differ under the same link with a ghost`);
-  await checkGhostFiles(page, faster);
-  await page.close();
+  await page.click('#ghost-remove');
+  await page.waitForFunction(() => window.orthodrive.ghost === undefined);
 }
 
 /** Files of one's own: chosen, dropped, broken. */

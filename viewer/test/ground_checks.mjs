@@ -10,10 +10,12 @@ const beside_m = 7; // the middle of the lane: beside the road
 const eye_m = 1.6;
 
 /** Beside the road the ground has detail that the photo lacks, and the layer of materials takes it away and brings it back. */
-export async function checkGround(context, url) {
-  const page = await context.newPage();
-  const off = 'off=trees,buildings,shadows,route';
-  await page.goto(`${url}?play=0&camera=follow&t=20&${off}`);
+export async function checkGround(page) {
+  await page.evaluate(() => {
+    window.orthodrive.setCamera('follow');
+    window.orthodrive.setTime(20);
+    window.orthodrive.setLayer('route', false);
+  });
   await waitUntilDrawn(page);
   const [eye, target] = await page.evaluate(
     ([aside, up]) => {
@@ -27,7 +29,7 @@ export async function checkGround(context, url) {
     },
     [beside_m, eye_m],
   );
-  await page.goto(`${url}?play=0&camera=fly&${off}&eye=${eye.join(',')}&target=${target.join(',')}`);
+  await page.evaluate((view) => window.orthodrive.setView(view), {eye, target});
   const near = await sceneShot(page);
   await page.evaluate(() => window.orthodrive.setLayer('materials', false));
   const photo = await sceneShot(page);
@@ -44,6 +46,9 @@ export async function checkGround(context, url) {
     Math.abs(restored - detailed) < 0.02 * detailed,
     'switching the materials back does not bring the ground back',
   );
-  await page.close();
+  await page.evaluate(() => {
+    window.orthodrive.setLayer('route', true);
+    window.orthodrive.setCamera('follow');
+  });
   return near;
 }

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 
-import {sparse} from './page_helpers.mjs';
+import {bare} from './page_helpers.mjs';
 
 const hostile = '<img src=x onerror="window.hacked = true"><script>window.hacked = true</script>&lt;b&gt;"\'';
 
@@ -29,7 +29,7 @@ export async function checkHostileTexts(context, url, siteDir) {
   const asked = [];
   page.on('request', (request) => asked.push(request.url()));
   for (const ghost of ['../../secret.csv', '//evil.example/lap.csv']) {
-    await page.goto(`${url}?play=0&${sparse}&ghost=${encodeURIComponent(ghost)}`);
+    await page.goto(`${url}?play=0&${bare}&ghost=${encodeURIComponent(ghost)}`);
     await page.waitForFunction(
       () => document.getElementById('site-name').textContent !== '' && !document.getElementById('message').hidden,
     );

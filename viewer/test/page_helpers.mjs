@@ -40,12 +40,14 @@ export async function waitUntilDrawn(page) {
 
 /** Of an address: without what takes longest to draw by a processor, for checks that do not look at it. */
 export const sparse = 'off=trees,buildings,shadows';
+/** Without the ground as well: for checks of the page around the picture. All tiles are loaded nevertheless. */
+export const bare = `${sparse},terrain,roads`;
 
-/** The same on a page that is open; true brings all back. */
-export function showAll(page, on) {
+/** Brings what `sparse` or `bare` leave out back on a page that is open, or takes it away. */
+export function showAll(page, on, without = bare) {
   return page.evaluate(
     ([names, state]) => names.split(',').forEach((name) => window.orthodrive.setLayer(name, state)),
-    [sparse.slice('off='.length), on],
+    [without.slice('off='.length), on],
   );
 }
 

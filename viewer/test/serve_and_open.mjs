@@ -30,10 +30,11 @@ export async function serveSite(tool, siteDir, environment = {}) {
 
 /**
  * Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor; `pixels`: for each of
- * the page's; `touch`: its pages are touched. Whatever its pages are asked for may take six minutes: other work beside it
- * is no error of the page.
+ * the page's; `touch`: its pages are touched; `plain`: without smooth edges and the blur behind cards, half of the work of a
+ * picture, for checks that judge neither. Whatever its pages are asked for may take six minutes: other work beside it is no
+ * error of the page.
  */
-export async function openBrowser(profileDir, {pixels = 1, touch = false, bypassCSP = false} = {}) {
+export async function openBrowser(profileDir, {pixels = 1, touch = false, plain = false, bypassCSP = false} = {}) {
   const context = await chromium.launchPersistentContext(profileDir, {
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     viewport: {width: 1280, height: 800},
@@ -51,8 +52,15 @@ export async function openBrowser(profileDir, {pixels = 1, touch = false, bypass
       '--use-gl=angle',
       '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader',
+      ...(plain ? ['--webgl-msaa-sample-count=0'] : []),
     ],
   });
+  if (plain)
+    await context.addInitScript(() => {
+      const sheet = new CSSStyleSheet();
+      sheet.replaceSync('* { backdrop-filter: none !important }');
+      document.adoptedStyleSheets.push(sheet);
+    });
   context.setDefaultTimeout(360_000);
   return context;
 }

@@ -32,6 +32,7 @@ export class SurfaceMaterials {
   onChange: () => void = () => {};
   private readonly textures = new TextureLoader();
   private readonly byName = new Map<string, SurfaceMaterial>();
+  private asked = 0; // of pictures
 
   constructor(private readonly anisotropy: number) {}
 
@@ -50,6 +51,11 @@ export class SurfaceMaterials {
           return Promise.resolve(new MeshBasicMaterial({name}));
         },
       }));
+  }
+
+  /** Pictures are on their way. */
+  get pending(): boolean {
+    return this.asked > 0;
   }
 
   /** The material of that name; pictures follow when they are loaded. */
@@ -91,9 +97,13 @@ export class SurfaceMaterials {
   }
 
   private texture(file: string): Texture {
-    const texture = this.textures.load(new URL(`materials/${file}`, new URL(tilesetUrl, location.href)).href, () =>
-      this.onChange(),
-    );
+    const url = new URL(`materials/${file}`, new URL(tilesetUrl, location.href)).href;
+    const done = () => {
+      --this.asked;
+      this.onChange();
+    };
+    ++this.asked;
+    const texture = this.textures.load(url, done, undefined, done);
     texture.wrapS = texture.wrapT = RepeatWrapping;
     texture.flipY = false;
     texture.channel = 1;

@@ -119,7 +119,7 @@ export class TileLooks {
   }
   /** Pictures are on their way. */
   get pending(): boolean {
-    return this.pictures > 0 || this.ground.pending;
+    return this.pictures > 0 || this.ground.pending || this.surfaceMaterials.pending;
   }
 
   /** Of one tile. */
