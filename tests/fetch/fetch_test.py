@@ -123,7 +123,7 @@ class Xyz(Case):
         self.assertLess(len(tiles), 1.5 * len(expected_tiles(AREA, 17)))
         self.assertEqual(sorted(origin.paths()), sorted({f"/tiles/{z}/{x}/{y}.jpg" for z, x, y in tiles}))
         for key, data in tiles.items():
-            self.assertEqual(data, servers.encoded(servers.tile_pixels(*key)))
+            self.assertEqual(data, servers.tile(*key))
         photo = gdal.Open(str(self.root / "photo.mbtiles"))
         west, pixel, _, north, _, _ = photo.GetGeoTransform()
         shown = photo.ReadAsArray(0, 0, photo.RasterXSize, photo.RasterYSize)
@@ -219,7 +219,7 @@ class Faults(Case):
         self.assertGreater(len(tiles), 250)
         self.assertEqual(self.record()["missing_tiles"], 0)
         for key, data in tiles.items():
-            self.assertEqual(data, servers.encoded(servers.tile_pixels(*key)), key)
+            self.assertEqual(data, servers.tile(*key), key)
         self.assertGreaterEqual(sum(proxy.done.values()), 20)
         self.assertGreaterEqual(len(proxy.done), 10, proxy.done)
         self.assertEqual({path for path, times in proxy.delivered.items() if times > 1}, set())
@@ -234,9 +234,7 @@ class Faults(Case):
             if len(stalled) < 3 and path not in stalled:
                 stalled.append(path)
                 return lambda handler: time.sleep(100)
-            return servers.conditional(
-                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
-            )
+            return servers.conditional(servers.tile(*map(int, re.findall(r"\d+", path))), "image/jpeg", headers)
 
         slow = self.serve(servers.Server(answer))
         self.site(xyz(slow))
@@ -254,9 +252,7 @@ class Faults(Case):
             if len(times) == 5:
                 until[0] = time.time() + 2
                 return 429, {"Retry-After": "2"}, b""
-            return servers.conditional(
-                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
-            )
+            return servers.conditional(servers.tile(*map(int, re.findall(r"\d+", path))), "image/jpeg", headers)
 
         strict = self.serve(servers.Server(answer))
         self.site(xyz(strict))

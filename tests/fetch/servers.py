@@ -4,6 +4,7 @@ faults.
 """
 
 import contextlib
+import functools
 import hashlib
 import http.client
 import http.server
@@ -45,6 +46,12 @@ def encoded(pixels, form="JPEG"):
     out = io.BytesIO()
     PIL.Image.fromarray(pixels).save(out, form, **({"quality": 92} if form == "JPEG" else {}))
     return out.getvalue()
+
+
+@functools.cache  # most tests look at the same place
+def tile(z, x, y, form="JPEG", dark=False):
+    pixels = tile_pixels(z, x, y)
+    return encoded(pixels // 2 if dark else pixels, form)
 
 
 class Server:
@@ -126,7 +133,6 @@ def conditional(content, kind, headers):
 
 def tile_origin(form="JPEG", absent=lambda z, x, y: False, changed=None, delay_s=0.0):
     """/ANYTHING/{z}/{x}/{y}.jpg; `changed` is a set of (z, x, y) that are drawn darker from now on."""
-    cache = {}
 
     def answer(method, path, headers, body):
         found = re.search(r"/(\d+)/(\d+)/(\d+)\.(?:jpg|png)", path)
@@ -137,10 +143,7 @@ def tile_origin(form="JPEG", absent=lambda z, x, y: False, changed=None, delay_s
         if absent(*key):
             return 404, {"Content-Type": "text/html"}, b"<html>not here</html>"
         dark = bool(changed and key in changed)
-        if (key, dark) not in cache:
-            pixels = tile_pixels(*key)
-            cache[key, dark] = encoded(pixels // 2 if dark else pixels, form)
-        return conditional(cache[key, dark], "image/" + form.lower(), headers)
+        return conditional(tile(*key, form, dark), "image/" + form.lower(), headers)
 
     return Server(answer)
 

@@ -4,6 +4,7 @@
 sheets_test.py TOOL [unittest's words]
 """
 
+import functools
 import io
 import json
 import re
@@ -21,13 +22,19 @@ COLUMNS, ROWS = 5, 5
 FAR = (25, 25)
 
 
-def lonlat(east, north):
+@functools.cache
+def to_degrees():
     utm, degrees = osr.SpatialReference(), osr.SpatialReference()
     utm.ImportFromEPSG(32633)
     degrees.ImportFromEPSG(4326)
     for reference in (utm, degrees):
         reference.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-    return osr.CoordinateTransformation(utm, degrees).TransformPoint(east, north)[:2]
+    return osr.CoordinateTransformation(utm, degrees)
+
+
+@functools.cache  # servers tell the same places again and again
+def lonlat(east, north):
+    return to_degrees().TransformPoint(east, north)[:2]
 
 
 def corners(column, row):
@@ -58,11 +65,20 @@ def zipped(**files):
 class SheetCase(Case):
     """A photo of 5 x 5 sheets of 400 m, and one far away; GeoTIFF or JPEG 2000."""
 
+    made = {}  # sheets and what becomes of them: the same in all cases
+
     def sheet(self, column, row, form="tif", array=None, plain=False):
+        if array is not None:
+            return self.fresh_sheet(column, row, form, array, plain)
+        key = (column, row, form, plain)
+        if key not in self.made:
+            self.made[key] = self.fresh_sheet(column, row, form, photo(column, row), plain)
+        return self.made[key]
+
+    def fresh_sheet(self, column, row, form, array, plain):
         file = self.root / f"made.{form}"
         options = ["QUALITY=100", "REVERSIBLE=YES"] if form == "jp2" else ["PROFILE=BASELINE"] if plain else []
         driver = "JP2OpenJPEG" if form == "jp2" else "GTiff"
-        array = photo(column, row) if array is None else array
         content = make_cog(file, array, 1.0, WEST + column * SIDE, NORTH - row * SIDE, driver, options)
         for left in self.root.glob("made.*"):
             left.unlink()
@@ -73,6 +89,15 @@ class SheetCase(Case):
 
     def direct(self, form="tif", name="photo.tif", arrays=None):
         """What kind `raster` makes of all the sheets as local files."""
+        file = self.root / "direct.tif"
+        if arrays is not None:
+            return self.fresh_direct(form, arrays)
+        if form not in self.made:
+            self.made[form] = self.fresh_direct(form, None).read_bytes()
+        file.write_bytes(self.made[form])
+        return file
+
+    def fresh_direct(self, form, arrays):
         files = []
         for (column, row), sheet in self.names().items():
             if (column, row) != FAR:
