@@ -140,6 +140,7 @@ export class GroundDetail {
 
   /** Asks for what the ground near the eye needs. */
   update(eye: Vector3): void {
+    if (!this.object.visible) return; // nobody would see it
     for (const [mesh, ground] of this.grounds) {
       const drawn = isDrawn(mesh); // tiles that are finer or coarser than wanted are held, too
       if (ground.plants) ground.plants.object.visible = drawn;
