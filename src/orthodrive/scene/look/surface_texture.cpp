@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,7 +24,14 @@ double unit_hash(std::uint64_t seed, std::uint64_t part) {
   return static_cast<double>(derive_seed(seed, part) >> 11) * 0x1.0p-53;
 }
 
-/// Value noise on a torus of cells x cells: uniform values at the corners, smooth in between.
+/// The largest whole number that is not above `value`, which is of the size of an int.
+int floor_of(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - static_cast<int>(value < truncated);
+}
+
+/// Value noise on a torus of cells x cells: uniform values at the corners, smooth in between. Textures ask row by row:
+/// what a row's places have in common is kept from one to the next, so each thread needs its own.
 class ValueNoise {
  public:
   ValueNoise(int cells, std::uint64_t seed) : cells_(cells), values_(static_cast<std::size_t>(cells) * cells) {
@@ -32,22 +40,33 @@ class ValueNoise {
   [[nodiscard]] double corner(int x, int y) const { return values_[index(x, y)]; }
   /// u and v in sides of the texture; between -1 and 1.
   [[nodiscard]] double at(double u, double v) const {
-    const double x = u * cells_, y = v * cells_;
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    const auto ease = [](double w) { return w * w * (3.0 - 2.0 * w); };
-    const double wx = ease(x - x0), wy = ease(y - y0);
-    const auto between = [](double a, double b, double w) { return a + w * (b - a); };
-    return between(between(corner(x0, y0), corner(x0 + 1, y0), wx),
-                   between(corner(x0, y0 + 1), corner(x0 + 1, y0 + 1), wx), wy);
+    if (v != row_.v) row_ = row_at(v);
+    const double x = u * cells_;
+    const int x0 = floor_of(x), left = wrapped(x0, cells_), right = wrapped(x0 + 1, cells_);
+    const double wx = ease(x - x0);
+    const double *above = values_.data() + row_.above, *below = values_.data() + row_.below;
+    return between(between(above[left], above[right], wx), between(below[left], below[right], wx), row_.wy);
   }
 
  private:
+  struct Row {
+    double v, wy;
+    std::size_t above, below;  // where the values of the rows of corners begin
+  };
+  [[nodiscard]] Row row_at(double v) const {
+    const double y = v * cells_;
+    const int y0 = floor_of(y);
+    return {v, ease(y - y0), index(0, y0), index(0, y0 + 1)};
+  }
+  static double ease(double w) { return w * w * (3.0 - 2.0 * w); }
+  static double between(double a, double b, double w) { return a + w * (b - a); }
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(wrapped(y, cells_)) * static_cast<std::size_t>(cells_) +
            static_cast<std::size_t>(wrapped(x, cells_));
   }
   int cells_;
   std::vector<double> values_;
+  mutable Row row_{std::numeric_limits<double>::quiet_NaN(), 0.0, 0, 0};
 };
 
 /// Sum of value noises, each of half the size and strength of the one before; between -1 and 1.
@@ -86,7 +105,7 @@ class Stones {
   }
   [[nodiscard]] Texel at(double u, double v) const {
     const double x = u * cells_, y = v * cells_;
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    const int x0 = floor_of(x), y0 = floor_of(y);
     double nearest = 16.0, second = 16.0, shade = 0.0;
     for (int cy = y0 - 1; cy <= y0 + 1; ++cy) {
       for (int cx = x0 - 1; cx <= x0 + 1; ++cx) {
@@ -458,7 +477,8 @@ TexelAt texels_of(SurfaceMaterial material) {
 }
 
 std::uint8_t byte_of(double unit) {
-  return static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5));
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and asked for every pixel
+  return static_cast<std::uint8_t>(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5);
 }
 
 }  // namespace
