@@ -22,6 +22,8 @@ function(orthodrive_add_test)
   endif()
   add_test(NAME ${A_NAME} COMMAND ${A_COMMAND})
   set_tests_properties(${A_NAME} PROPERTIES LABELS ${A_TIER} ${A_PROPERTIES})
+  # Threads of libtorch that wait for each other would keep cores busy on which other tests could run.
+  set_property(TEST ${A_NAME} APPEND PROPERTY ENVIRONMENT_MODIFICATION OMP_WAIT_POLICY=set:passive)
   set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_TIERED ${A_NAME})
   if(A_TIER STREQUAL quick)
     string(REGEX MATCHALL "TARGET_FILE:[A-Za-z0-9_-]+" NAMED "${A_COMMAND}")
