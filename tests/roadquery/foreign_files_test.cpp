@@ -545,7 +545,7 @@ TEST_F(ForeignFile, nothing_is_passed_over_in_silence) {
           straight + R"(<lanes>)" +
           sections("",
                    lane(-1, R"(<width sOffset="0" a="3" b="0" c="0" d="0"/><include file="a"/><include file="b"/>)")) +
-          R"(</lanes><signals><signal s="1"/><signal s="2"/></signals><objects><object type="tree" s="1" t="1"><repeat/></object><object type="crosswalk" s="1" t="1"><surface/></object></objects><planVeiw/>)") +
+          R"(</lanes><signals><signal s="1"/><signal s="2"/></signals><objects><object type="tree" s="1" t="1"><repeat/></object><object type="crosswalk" s="1" t="1" length="4" width="3"><surface/></object></objects><planVeiw/>)") +
       R"(<junction id="5" name=""><surface><CRG/></surface><elevationGrid/></junction><controller id="1"/>)");
   const std::string notes = notes_of(map);
   EXPECT_THAT(notes, HasSubstr("<object/surface> is not read"));

@@ -58,6 +58,17 @@ void mind_sign(const Road& road, const LaneSection& section, bool left, std::vec
   for (Cubic& c : border) c = {c.s, -c.a, -c.b, -c.c, -c.d};
 }
 
+/// The standard has one or the other (1.7, 11.5.2); the place of a border does not depend on the offset.
+void note_offset(const Road& road, const std::vector<RoadParts::Border>& borders, NoteList& notes) {
+  const bool moved = std::any_of(road.lane_offset.begin(), road.lane_offset.end(),
+                                 [](const Cubic& c) { return c.a != 0.0 || c.b != 0.0 || c.c != 0.0 || c.d != 0.0; });
+  if (borders.empty() || !moved) return;
+  notes.add("opendrive.border_offset",
+            "a road has <laneOffset> and <border>: borders are taken from the reference line, the offset moves the "
+            "middle alone",
+            true, {road.id, 0.0});
+}
+
 }  // namespace
 
 void widths_from_borders(Road& road, const std::vector<RoadParts::Border>& borders, NoteList& notes) {
@@ -67,6 +78,7 @@ void widths_from_borders(Road& road, const std::vector<RoadParts::Border>& borde
     sections.insert(border.section);
     of_lane[{border.section, border.lane}] = &border;
   }
+  note_offset(road, borders, notes);
   for (const std::size_t index : sections) {
     LaneSection& section = road.sections[index];
     for (const bool left : {true, false}) {

@@ -1,16 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "roadquery/opendrive/broken_links.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "roadquery/roads/road_ends.hpp"
+#include "roadquery/surface/road_surface.hpp"
 
 namespace roadquery {
 namespace {
 
+using Kind = BrokenLink::Kind;
+
+constexpr double most_apart_m = 0.1;        // more than any rounding between the ends of two reference lines
+constexpr double least_lane_m = 0.5;        // narrower lanes begin or end there
+constexpr double least_before_share = 0.1;  // of the narrower lane's width that lies before the other one
+
 bool has_lane(const LaneSection& section, int id) { return id == 0 || find_lane(section, id) != nullptr; }
+
+bool drives_along(const Road& road, int lane_id) { return (lane_id < 0) == (road.driving_side == DrivingSide::right); }
+
+bool has_cross_section(const Road& road) { return !road.superelevation.empty() || !road.shape.empty(); }
+
+/// The lanes at one end of a section.
+struct SectionEnd {
+  const Road* road = nullptr;
+  const LaneSection* section = nullptr;
+  double s = 0.0;
+  bool turned = false;    ///< seen against the direction of its road
+  double beside_m = 0.0;  ///< of its reference line, to the left of the one that it is seen from
+
+  /// Both borders of a lane as t of the road that the end is seen from, the smaller one first.
+  [[nodiscard]] std::array<double, 2> span(const Lane& lane) const {
+    const double sign = lane.id > 0 ? 1.0 : -1.0;
+    double inner = evaluate(road->lane_offset, s), outer = inner;
+    for (const Lane& other : lane.id > 0 ? section->left : section->right) {
+      inner = outer, outer += sign * lane_width(other, s - section->s);
+      if (other.id == lane.id) break;
+    }
+    if (turned) inner = -inner, outer = -outer;
+    return {beside_m + std::min(inner, outer), beside_m + std::max(inner, outer)};
+  }
+};
+
+/// Whether two lanes lie one behind the other, as far as they are wide.
+bool meet(std::array<double, 2> a, std::array<double, 2> b) {
+  const double narrower = std::min(a[1] - a[0], b[1] - b[0]);
+  return narrower < least_lane_m || std::min(a[1], b[1]) - std::max(a[0], b[0]) >= least_before_share * narrower;
+}
 
 class Links {
  public:
@@ -23,16 +64,20 @@ class Links {
 
  private:
   void check(const Road& road) {
-    check_end({&road, ContactPoint::start});
-    check_end({&road, ContactPoint::end});
+    const RoadEnd begin{&road, ContactPoint::start}, finish{&road, ContactPoint::end};
+    check_end(begin);
+    check_end(finish);
     for (std::size_t i = 0; i < road.sections.size(); ++i) {
+      const LaneSection& section = road.sections[i];
       const bool first = i == 0, last = i + 1 == road.sections.size();
-      const LaneSection* before = first ? neighbour(road.predecessor) : &road.sections[i - 1];
-      const LaneSection* after = last ? neighbour(road.successor) : &road.sections[i + 1];
-      for (const auto* side : {&road.sections[i].left, &road.sections[i].right})
+      const SectionEnd start{&road, &section, section.s},
+          end{&road, &section, last ? road.length : road.sections[i + 1].s};
+      const SectionEnd before = first ? neighbour(begin) : SectionEnd{&road, &road.sections[i - 1], section.s};
+      const SectionEnd after = last ? neighbour(finish) : SectionEnd{&road, &road.sections[i + 1], end.s};
+      for (const auto* side : {&section.left, &section.right})
         for (const Lane& lane : *side) {
-          check_lane(road, before, lane.predecessor, road.sections[i].s);
-          check_lane(road, after, lane.successor, last ? road.length : road.sections[i + 1].s);
+          check_lane(start, lane, lane.predecessor, before);
+          check_lane(end, lane, lane.successor, after);
         }
     }
   }
@@ -43,14 +88,15 @@ class Links {
       const Road* incoming = find(connection.incoming_road);
       // 0 stands for no incoming road, too, as virtual junctions have it.
       if (via == nullptr || (incoming == nullptr && connection.incoming_road != 0)) {
-        add(BrokenLink::Kind::connection, via ? via->id : incoming ? incoming->id : -1, 0.0);
+        add(Kind::connection, {via ? via->id : incoming ? incoming->id : -1, 0.0});
         continue;
       }
-      const LaneSection& entry = RoadEnd{via, connection.contact}.section();
+      const RoadEnd entry{via, connection.contact};
       for (const LaneLink& link : connection.lane_links) {
         const bool left = incoming == nullptr || has_lane(incoming->sections.front(), link.from) ||
                           has_lane(incoming->sections.back(), link.from);
-        if (!left || !has_lane(entry, link.to)) add(BrokenLink::Kind::lane, via->id, 0.0);
+        if (!left || !has_lane(entry.section(), link.to)) add(Kind::lane, {via->id, 0.0});
+        if (via->junction == junction.id) check_entry(entry, find_lane(entry.section(), link.to));
       }
     }
   }
@@ -61,23 +107,55 @@ class Links {
   }
 
   /// The lanes behind an end of a road: none where a junction is, or nothing.
-  [[nodiscard]] const LaneSection* neighbour(const RoadLink& link) const {
-    const Road* road = link.kind == LinkKind::road ? find(link.id) : nullptr;
-    return road == nullptr ? nullptr : &RoadEnd{road, link.contact}.section();
+  [[nodiscard]] SectionEnd neighbour(const RoadEnd& end) const {
+    const Road* road = end.link().kind == LinkKind::road ? find(end.link().id) : nullptr;
+    if (road == nullptr) return {};
+    const RoadEnd beyond{road, end.link().contact};
+    const PlanPoint at = reference_point(*end.road, end.s()), behind = reference_point(*road, beyond.s());
+    const double beside_m = (behind.y - at.y) * std::cos(at.hdg) - (behind.x - at.x) * std::sin(at.hdg);
+    return {road, &beyond.section(), beyond.s(), beyond.contact == end.contact, beside_m};
+  }
+
+  /// Roads of junctions may begin beside the reference line of the road that leads to them.
+  void check_reference_lines(const RoadEnd& end, const Road& other) {
+    if (end.road->junction != -1 || other.junction != -1) return;
+    const PlanPoint a = reference_point(*end.road, end.s()),
+                    b = reference_point(other, RoadEnd{&other, end.link().contact}.s());
+    if (std::hypot(a.x - b.x, a.y - b.y) > most_apart_m) add(Kind::apart, {end.road->id, end.s()});
   }
 
   void check_end(const RoadEnd& end) {
     const RoadLink& link = end.link();
-    if (link.kind == LinkKind::road && find(link.id) == nullptr) add(BrokenLink::Kind::road, end.road->id, end.s());
-    if (link.kind == LinkKind::junction && !junctions_.contains(link.id))
-      add(BrokenLink::Kind::junction, end.road->id, end.s());
+    const NotePlace place{end.road->id, end.s()};
+    if (link.kind == LinkKind::junction && !junctions_.contains(link.id)) add(Kind::junction, place);
+    if (link.kind != LinkKind::road) return;
+    if (const Road* other = find(link.id))
+      check_reference_lines(end, *other);
+    else
+      add(Kind::road, place);
   }
 
-  void check_lane(const Road& road, const LaneSection* beyond, const std::optional<int>& linked, double s) {
-    if (beyond != nullptr && linked && !has_lane(*beyond, *linked)) add(BrokenLink::Kind::lane, road.id, s);
+  /// A car gets onto a lane of a connecting road where that begins to lead. Some writers list both ends of the road.
+  void check_entry(const RoadEnd& entry, const Lane* lane) {
+    if (lane == nullptr || lane->type != LaneType::driving) return;
+    if (drives_along(*entry.road, lane->id) != (entry.contact == ContactPoint::start))
+      add(Kind::against, {entry.road->id, entry.s()});
   }
 
-  void add(BrokenLink::Kind kind, int road, double s) { broken_.push_back({kind, {road, s}}); }
+  void check_lane(const SectionEnd& at, const Lane& lane, const std::optional<int>& linked, const SectionEnd& beyond) {
+    if (beyond.section == nullptr || !linked || *linked == 0) return;
+    const NotePlace place{at.road->id, at.s};
+    const Lane* other = find_lane(*beyond.section, *linked);
+    if (other == nullptr) return add(Kind::lane, place);
+    if (lane.level != other->level)
+      add(has_cross_section(*at.road) || has_cross_section(*beyond.road) ? Kind::level : Kind::level_flat, place);
+    // Lanes of junctions are led to where they begin.
+    if (at.road->junction != -1 || beyond.road->junction != -1) return;
+    if (!meet(at.span(lane), beyond.span(*other)))
+      add(is_driven(lane.type) ? Kind::beside : Kind::beside_others, place);
+  }
+
+  void add(Kind kind, NotePlace where) { broken_.push_back({kind, where}); }
 
   const RoadMap& map_;
   RoadsById by_id_;
@@ -85,18 +163,39 @@ class Links {
   std::vector<BrokenLink> broken_;
 };
 
-const char* what_of(BrokenLink::Kind kind) {
+struct LinkNote {
+  const char* code = "opendrive.broken_link";
+  const char* text = "";
+  bool bears = true;
+};
+
+LinkNote note_of(Kind kind) {
+  constexpr const char* wrong = "opendrive.wrong_link";
+  constexpr const char* beside = "lanes are linked that lie beside each other: whoever drives there jumps aside";
+  constexpr const char* level =
+      "lanes with level=\"true\" are linked to lanes without it: they are level as far as they say so";
   switch (kind) {
-    case BrokenLink::Kind::road:
-      return "links of roads name a <road> that the file does not have: they lead nowhere";
-    case BrokenLink::Kind::junction:
-      return "links of roads name a <junction> that the file does not have: they lead nowhere";
-    case BrokenLink::Kind::connection:
-      return "connections of junctions name a <road> that the file does not have: they lead nowhere";
-    case BrokenLink::Kind::lane:
+    case Kind::road:
+      return {.text = "links of roads name a <road> that the file does not have: they lead nowhere"};
+    case Kind::junction:
+      return {.text = "links of roads name a <junction> that the file does not have: they lead nowhere"};
+    case Kind::connection:
+      return {.text = "connections of junctions name a <road> that the file does not have: they lead nowhere"};
+    case Kind::lane:
+      return {.text = "links of lanes name a <lane> that is not on the other side: they lead nowhere"};
+    case Kind::apart:
+      return {wrong,
+              "reference lines of roads that are linked do not meet at their contactPoint: look which end is meant"};
+    case Kind::against:
+      return {wrong, "connections of junctions lead onto a lane against its direction: nobody drives there", false};
+    case Kind::beside:
+    case Kind::beside_others:
+      return {wrong, beside, kind == Kind::beside};
+    case Kind::level:
+    case Kind::level_flat:
       break;
   }
-  return "links of lanes name a <lane> that is not on the other side: they lead nowhere";
+  return {"opendrive.level", level, kind == Kind::level};
 }
 
 }  // namespace
@@ -104,8 +203,10 @@ const char* what_of(BrokenLink::Kind kind) {
 std::vector<BrokenLink> broken_links(const RoadMap& map) { return Links(map).take(); }
 
 void note_broken_links(const RoadMap& map, NoteList& notes) {
-  for (const BrokenLink& link : broken_links(map))
-    notes.add("opendrive.broken_link", what_of(link.kind), true, link.where);
+  for (const BrokenLink& link : broken_links(map)) {
+    const LinkNote note = note_of(link.kind);
+    notes.add(note.code, note.text, note.bears, link.where);
+  }
 }
 
 }  // namespace roadquery

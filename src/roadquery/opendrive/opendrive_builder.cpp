@@ -102,6 +102,7 @@ class Builder {
     if (path_.empty() && name != "OpenDRIVE") {
       throw std::runtime_error("the root element is <" + std::string(name) + ">, not <OpenDRIVE>");
     }
+    if (passed_ > 0) note_within_passed(parent, name, names_.are_ours(written));
     if (passed_ == 0 && !is_read(parent, name, names_.are_ours(written), a)) passed_ = path_.size() + 1;
     if (passed_ == 0) start_read(parent, name, a);
     path_.emplace_back(name);
@@ -122,7 +123,7 @@ class Builder {
     if (in_road_ && name == "road" && path_.size() == 1) end_road();
     if (in_junction_ && name == "junction" && path_.size() == 1) end_junction();
     if (name == "lane") lane_ = nullptr;
-    if (name == "object") object_ = nullptr;
+    if (name == "object") end_object();
   }
 
   void text(std::string_view characters) {
@@ -174,6 +175,13 @@ class Builder {
       notes.add("opendrive.not_read", "<" + path + "> is not read: " + std::string(element->instead), true, here());
     }
     return false;
+  }
+  /// Within an object that is passed over may be a piece of surface.
+  void note_within_passed(std::string_view parent, std::string_view name, bool ours) {
+    const OpenDriveElement* element = ours ? find_element(parent, name) : nullptr;
+    if (element == nullptr || element->use != ElementUse::missed || parent != "object") return;
+    notes.add("opendrive.not_read", "<object/" + std::string(name) + "> is not read: " + std::string(element->instead),
+              true, here());
   }
   /// Of objects and userData some kinds are read.
   static bool is_known_kind(std::string_view parent, std::string_view name, const Attributes& a) {
@@ -507,6 +515,22 @@ class Builder {
     object_ = &road.objects.back(), outlines_ = 0;
   }
 
+  /// An outline has two corners at least (1.7, 13.5.2); what has neither it nor a box is nowhere.
+  void end_object() {
+    if (object_ == nullptr) return;
+    const NotePlace place{map.roads.back().id, object_->s};
+    if (object_->outline.size() == 1) {
+      object_->outline.clear();
+      notes.add("opendrive.object_outline", "an <outline> of <object> has a single corner: its length and width count",
+                false, place);
+    }
+    if (object_->outline.empty() && !(object_->length > 0.0 && object_->width > 0.0))
+      notes.add("opendrive.object_outline",
+                "a crosswalk, road mark or hump has neither length and width nor cornerRoad: it is not drawn", false,
+                place);
+    object_ = nullptr;
+  }
+
   void start_lane(Road& road, std::string_view side, const Attributes& a) {
     if (road.sections.empty()) return;  // a <lane> outside a lane section: not ours
     LaneSection& section = road.sections.back();
@@ -644,14 +668,27 @@ class Builder {
       connection.contact = a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start;
       junction.connections.push_back(std::move(connection));
     } else if (parent == "junction" && name == "priority") {
-      if (a.find("high") && a.find("low"))
-        junction.priorities.push_back({road_ids_.number(a.required("high")), road_ids_.number(a.required("low"))});
+      read_priority(junction, a);
     } else if (parent == "connection" && name == "laneLink" && !junction.connections.empty()) {
       if (names_something(a, "from") && names_something(a, "to"))
         junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
     } else if (parent == "junction" && name == "userData") {
       read_junction_data(junction, a.text("code"), a.text("value"));
     }
+  }
+
+  void read_priority(Junction& junction, const Attributes& a) {
+    if (!trimmed(a.text("high")).empty() && !trimmed(a.text("low")).empty()) {
+      junction.priorities.push_back({road_ids_.number(a.required("high")), road_ids_.number(a.required("low"))});
+      return;
+    }
+    notes.add("opendrive.priority", "<priority> of junctions lacks high or low: who goes first there is not told", true,
+              connecting_road(junction));
+  }
+  /// A place of a junction: on the first of its roads.
+  static NotePlace connecting_road(const Junction& junction) {
+    if (junction.connections.empty()) return {};
+    return {junction.connections.front().connecting_road, 0.0};
   }
 
   static void read_junction_data(Junction& junction, const std::string& code, const std::string& value) {

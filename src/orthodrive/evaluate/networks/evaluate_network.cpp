@@ -207,9 +207,9 @@ NetworkScores evaluate_network(const RoadMap& map) {
   NetworkScores scores;
   const RoadsById by_id(map);
   count_elements(map, scores);
-  const auto leads_nowhere = roadquery::broken_links(map);
+  const auto links = roadquery::broken_links(map);  // those of lanes are counted with the lanes
   scores.broken_links = static_cast<std::size_t>(std::ranges::count_if(
-      leads_nowhere, [](const roadquery::BrokenLink& link) { return link.kind != roadquery::BrokenLink::Kind::lane; }));
+      links, [](const roadquery::BrokenLink& link) { return link.kind < roadquery::BrokenLink::Kind::lane; }));
   measure_joints(map, by_id, scores);
   evaluate::check_lanes(map, by_id, scores);
   evaluate::measure_clearance(map, by_id, scores);
