@@ -23,6 +23,12 @@ bool has_finding(const DriveResult& result, const std::string& code) {
   return std::any_of(result.findings.begin(), result.findings.end(), [&](const Finding& f) { return f.code == code; });
 }
 
+std::string message_of(const DriveResult& result, const std::string& code) {
+  for (const Finding& f : result.findings)
+    if (f.code == code) return f.message;
+  return {};
+}
+
 /// Springs (and bars) of an axle at one wheel in series with its tyre.
 double at_wheel_npm(const vehicle::Suspension& s, const vehicle::Tyre& t, double bar_share) {
   const double spring = s.spring_npm + bar_share * s.anti_roll_npm;
@@ -179,6 +185,29 @@ TEST(SimulateLap, lane_jump_between_roads_is_driven_smoothly) {
   EXPECT_NEAR(lap.samples.back().y_m, -5.25, 0.05);
 }
 
+TEST(SimulateLap, bend_banked_too_steeply_to_stand_on_is_driven_fast_enough) {
+  Road circle = make_circle(1, 125.0);
+  const double bank = std::numbers::pi / 180.0 * 50.0;
+  circle.superelevation = {{.s = 0.0, .a = -bank}};  // as on a velodrome or a proving ground
+  const DriveResult lap = simulate_lap(map_of({circle}), family());
+  EXPECT_TRUE(lap.finished);
+  for (const char* code : {"drive.too_tight", "drive.steep_bank", "drive.off_road", "drive.not_finished"})
+    EXPECT_FALSE(has_finding(lap, code)) << code;
+  EXPECT_EQ(lap.tyre_misses, 0u);
+  // The bend presses the car down by what passengers bear.
+  const double turn_mps2 = (family().driver.max_vertical_mps2 + 9.80665 * (1.0 - std::cos(bank))) / std::sin(bank);
+  EXPECT_NEAR(lap.mean_speed_mps, std::sqrt(turn_mps2 * (125.0 + 1.75 * std::cos(bank))), 0.3);
+}
+
+TEST(SimulateLap, bank_that_the_car_slides_down_is_said) {
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}});
+  road.superelevation = {{.s = 0.0, .a = std::numbers::pi / 180.0 * 60.0}};
+  const DriveResult lap = simulate_lap(map_of({road}), family());
+  EXPECT_FALSE(lap.finished);
+  EXPECT_NE(message_of(lap, "drive.steep_bank").find("banked by 60 degrees: the car slides down it at any speed"),
+            std::string::npos);
+}
+
 TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
   // Lanes so narrow that drivers keep off the edge, and a jump of the lane that is made up where there is room.
   const auto drive = [](bool with_sidewalks) {
@@ -246,12 +275,6 @@ TEST(LanePath, stays_in_its_lane_to_the_end_of_a_road_driven_backwards) {
   }
 }
 
-std::string message_of(const DriveResult& result, const std::string& code) {
-  for (const Finding& f : result.findings)
-    if (f.code == code) return f.message;
-  return {};
-}
-
 TEST(SimulateLap, car_that_rolls_back_is_given_up_at_once) {
   // 70 %: two driven wheels do not carry it up; it rolled back on nothing for four times the planned time.
   Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}});
@@ -281,7 +304,17 @@ TEST(SimulateLap, car_drives_on_what_is_hardly_longer_than_itself) {
     EXPECT_EQ(lap.tyre_misses, 0u) << length_m;
     EXPECT_NEAR(lap.length_m, length_m - family().car.body.wheelbase_m - 1.0, 0.1) << length_m;
   }
-  EXPECT_THROW(simulate_lap(map_of({make_road(1, {0.0, 0.0, 0.0, 0.0, 5.0, Line{}})}), family()), TooShortError);
+}
+
+TEST(SimulateLap, what_is_shorter_than_a_car_is_not_driven_and_said) {
+  const DriveResult lap = simulate_lap(map_of({make_road(1, {0.0, 40.0, 20.0, 0.0, 5.0, Line{}})}), family());
+  EXPECT_NE(message_of(lap, "drive.too_short").find("only 5.0 m long, need at least 6 m"), std::string::npos);
+  ASSERT_EQ(lap.findings.size(), 1u);
+  EXPECT_EQ(lap.findings[0].x_m, 40.0);
+  EXPECT_EQ(lap.findings[0].y_m, 20.0);
+  EXPECT_FALSE(lap.finished);
+  EXPECT_TRUE(lap.samples.empty());
+  EXPECT_EQ(lap.length_m, 0.0);
 }
 
 TEST(SimulateLap, open_road_has_one_lap_whatever_the_car_does) {

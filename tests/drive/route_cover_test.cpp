@@ -116,6 +116,8 @@ TEST(DriveAllRoads, lane_on_the_inside_may_be_shorter_than_the_shortest_route) {
   EXPECT_EQ(all.routes, 2);
   EXPECT_EQ(all.too_short, 1);
   EXPECT_EQ(all.finished, 1);
+  ASSERT_EQ(all.findings.size(), 1u);
+  EXPECT_EQ(all.findings[0].code, "drive.too_short");
 }
 
 TEST(DriveAllRoads, good_roads_give_no_finding_and_threads_change_nothing) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "drive/cars.hpp"
@@ -86,6 +87,33 @@ TEST(PlanSpeed, crest_slows_and_banking_that_helps_quickens) {
   EXPECT_GT(speed_with(0.0, 0.004), 1.02 * speed_with(0.0, 0.0));
   EXPECT_GT(speed_with(-0.1, 0.0), 1.03 * speed_with(0.0, 0.0));
   EXPECT_LT(speed_with(0.1, 0.0), 0.97 * speed_with(0.0, 0.0));
+}
+
+TEST(PlanSpeed, a_bank_too_steep_to_stand_on_has_a_least_speed) {
+  const EnvelopeTable table(car_of("family_car.toml"));
+  const Driver driver;
+  DrivingLine line = straight(400);
+  line.closed = true;
+  for (LinePoint& p : line.points) p.curvature_1pm = 0.008, p.banking = -std::numbers::pi / 3.0;  // 60 degrees
+  const std::vector<double> speed = plan_speed(line, table, driver);
+  EXPECT_NEAR(speed[200], driver.max_speed_mps, 0.02) << "no speed is comfortable, this one holds the car";
+  EXPECT_FALSE(first_too_steep_bank(line, table, driver, speed));
+
+  SpeedCaps caps;
+  caps.legal_mps.assign(line.points.size(), 10.0);
+  const auto slow = first_too_steep_bank(line, table, driver, plan_speed(line, table, driver, caps));
+  ASSERT_TRUE(slow && slow->least_mps);
+  EXPECT_EQ(slow->point, 0u);
+  const RoadLoad load = road_load(line.points[0], *slow->least_mps);
+  const double able = table.max_lateral_mps2({*slow->least_mps, load.normal_mps2, load.lateral_mps2, 1.0});
+  EXPECT_NEAR(std::abs(load.lateral_mps2), driver.grip_share * able, 0.02);
+
+  for (LinePoint& p : line.points) p.curvature_1pm = 0.0;
+  const auto none = first_too_steep_bank(line, table, driver, plan_speed(line, table, driver));
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(none->least_mps);
+  for (LinePoint& p : line.points) p.banking = 0.3;
+  EXPECT_FALSE(first_too_steep_bank(line, table, driver, plan_speed(line, table, driver)));
 }
 
 TEST(PlanSpeed, never_asks_for_more_than_the_envelope_or_the_driver_gives) {

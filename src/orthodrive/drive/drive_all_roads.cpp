@@ -57,15 +57,11 @@ Route rest_of(const roadquery::RoadMap& map, const Route& route, int step) {
 std::vector<DriveResult> drive_parts(const roadquery::RoadQuery& query, Route route, const DriveOptions& options,
                                      const EnvelopeTable& envelope) {
   std::vector<DriveResult> parts;
-  while (route.length_m >= least_route_m) {
-    try {
-      parts.push_back(drive_route(query, route, options, envelope));
-    } catch (const TooShortError&) {
-      break;  // its lanes are shorter than its roads: on the inside of a bend
-    }
+  do {
+    parts.push_back(drive_route(query, route, options, envelope));
     if (parts.back().finished_before_step < 0) break;
     route = rest_of(query.map(), route, parts.back().finished_before_step);
-  }
+  } while (route.length_m >= least_route_m);
   return parts;
 }
 
@@ -90,9 +86,9 @@ AllRoadsResult drive_all_roads(const roadquery::RoadMap& map, const DriveOptions
   result.routes = static_cast<int>(routes.size());
   for (std::size_t i = 0; i < routes.size(); ++i) {
     result.routes_m += routes[i].length_m;
-    if (drives[i].empty()) ++result.too_short;
+    if (drives[i].front().line.points.empty()) ++result.too_short;
     // A route that goes on behind a bend that is too tight counts as finished when its last part does.
-    if (!drives[i].empty() && drives[i].back().finished) ++result.finished;
+    if (drives[i].back().finished) ++result.finished;
     for (const DriveResult& part : drives[i]) add(part, result);
   }
   result.off_road_places = count(result.findings, "drive.off_road");

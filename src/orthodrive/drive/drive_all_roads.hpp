@@ -8,7 +8,7 @@ namespace orthodrive {
 
 struct AllRoadsResult {
   int routes = 0, finished = 0;           ///< finished: driven to the end
-  int too_short = 0;                      ///< routes below 10 m or shorter than the car needs: not driven
+  int too_short = 0;                      ///< routes shorter than the car needs: not driven
   double length_m = 0.0, routes_m = 0.0;  ///< driven; of all routes together
   double driven_s = 0.0, wall_s = 0.0;    ///< simulated; of the loop, which differs from run to run
   double max_vertical_mps2 = 0.0, max_height_step_m = 0.0, max_line_error_m = 0.0;

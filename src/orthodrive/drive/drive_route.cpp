@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "orthodrive/drive/car/driver_model.hpp"
 #include "orthodrive/drive/car/heave.hpp"
@@ -13,6 +14,7 @@
 #include "orthodrive/drive/car/speed_profile.hpp"
 #include "orthodrive/drive/car/steering_limits.hpp"
 #include "orthodrive/drive/lap_recorder.hpp"
+#include "orthodrive/drive/line/lane_path.hpp"
 #include "orthodrive/drive/line/line_ends.hpp"
 #include "roadquery/query/road_query.hpp"
 
@@ -156,6 +158,37 @@ void report_unfinished(const Run& run, const Timing& timing, DriveResult& result
                              run.state().x_m, run.state().y_m});
 }
 
+/// False, with a finding, where the route is too short for a car: the result has no line then.
+bool make_line(const roadquery::RoadQuery& query, const DriveOptions& options, DriveResult& result) {
+  try {
+    result.line = make_driving_line(query, result.route, line_options(options));
+    return true;
+  } catch (const TooShortError& error) {
+    const RouteStep& first = result.route.steps.front();
+    const roadquery::Road& road = query.map().roads[static_cast<std::size_t>(first.road)];
+    const auto at = roadquery::reference_point(road, first.forward ? 0.0 : road.length);
+    result.findings.push_back(
+        {Severity::warning, "drive.too_short", fmt::format("{}: nothing is driven", error.what()), at.x, at.y});
+    return false;
+  }
+}
+
+/// Says where the road is banked more than the tyres hold at the planned speed.
+void report_steep_bank(const EnvelopeTable& envelope, const Driver& driver, const std::vector<double>& speed_mps,
+                       DriveResult& result) {
+  const auto place = first_too_steep_bank(result.line, envelope, driver, speed_mps);
+  if (!place) return;
+  const LinePoint& p = result.line.points[place->point];
+  const std::string when =
+      place->least_mps ? fmt::format("below {:.0f} km/h", 3.6 * *place->least_mps) : "at any speed";
+  result.findings.push_back(
+      {Severity::warning, "drive.steep_bank",
+       fmt::format("the road is banked by {:.0f} degrees: the car slides down it {}, and is to "
+                   "drive {:.0f} km/h",
+                   std::abs(p.banking) * 180.0 / std::numbers::pi, when, 3.6 * speed_mps[place->point]),
+       p.x_m, p.y_m});
+}
+
 /// Ends the line before the first bend that the car cannot take. False: nothing is left of it to drive on.
 bool stop_before_tight_bend(DriveResult& result) {
   const auto bend = first_too_tight(result.car, result.line);
@@ -252,10 +285,12 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
                         const EnvelopeTable& envelope, Monitor* monitor) {
   DriveResult result;
   result.route = route, result.car = options.car, result.step_s = options.step_s;
-  result.line = make_driving_line(query, route, line_options(options));
+  if (!make_line(query, options, result)) return result;
   if (options.style != DrivingStyle::racing && !stop_before_tight_bend(result)) return result;
   const SpeedCaps caps = caps_of(query, options, envelope, result);
-  const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
+  const std::vector<double> speed_mps = plan_over_bumps(query, options, result.line, envelope, caps);
+  report_steep_bank(envelope, options.driver, speed_mps, result);
+  const SpeedPlan plan(result.line, speed_mps);
   result.plan_time_s = plan.duration_s();
 
   const Timing timing =

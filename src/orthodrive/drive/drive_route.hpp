@@ -96,7 +96,8 @@ struct DriveResult {
 
 /// Drives a route: plans a line and a speed for every place of it (curvature, banking, crests, gradient, the car's
 /// envelope, speed limits), then drives it in the car of src/vehicle with a driver who steers and works the pedals 200
-/// times a second. docs/drive.md. Single threaded, the same bytes every time but wall_s.
+/// times a second. docs/drive.md. Single threaded, the same bytes every time but wall_s. A route below least_route_m
+/// (lane_path.hpp) is not driven: the result has a finding and no line.
 /// `envelope`: that of options.car.
 [[nodiscard]] DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route,
                                       const DriveOptions& options, const EnvelopeTable& envelope,

@@ -18,37 +18,44 @@ constexpr double bumper_m = 3.0;     // from the middle of the car to where its 
 constexpr double crawl_mps = 2.0;    // the slowest that is planned but at stops; open lines end with it
 constexpr double gently_mps2 = 0.5;  // up to grip_share
 constexpr double least_length_m = 1e-6;
+constexpr double fastest_on_bank_mps = 100.0;  // beyond it nothing is looked for
 
 /// Of the car where it takes that share of its lateral limit.
 vehicle::EnvelopeQuery query_of(const LinePoint& p, double speed_mps, const RoadLoad& load, double share) {
   return {speed_mps, load.normal_mps2, load.lateral_mps2 / share, p.friction};
 }
 
+/// Which of a driver's limits hold: where a bank is so steep that no speed is within all of them, fewer do.
+enum class Within { all, lateral_and_grip, grip };
+
 /// The car's limits at a place, with what the driver leaves of them.
 class Limits {
  public:
   Limits(const EnvelopeTable& envelope, const Driver& driver) : envelope_(envelope), driver_(driver) {}
 
-  [[nodiscard]] bool can_corner(const LinePoint& p, double speed_mps) const {
+  [[nodiscard]] bool can_corner(const LinePoint& p, double speed_mps, Within within = Within::all) const {
     const RoadLoad load = road_load(p, speed_mps);
-    if (std::abs(load.normal_mps2 - gravity_mps2) > driver_.max_vertical_mps2) return false;
-    if (std::abs(load.lateral_mps2) > driver_.max_lateral_mps2) return false;
-    const double able = envelope_.max_lateral_mps2({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
-    return std::abs(load.lateral_mps2) <= driver_.grip_share * able;
+    if (within == Within::all && std::abs(load.normal_mps2 - gravity_mps2) > driver_.max_vertical_mps2) return false;
+    if (within != Within::grip && std::abs(load.lateral_mps2) > driver_.max_lateral_mps2) return false;
+    return std::abs(load.lateral_mps2) <= driver_.grip_share * able_mps2(p, speed_mps, load);
   }
-  /// Largest speed in the bend up to which every speed is possible.
+  /// Largest speed in the bend up to which every speed is possible; of a bank that is too steep for low speeds, the
+  /// upper end of the lowest speeds that are.
   [[nodiscard]] double corner_mps(const LinePoint& p, double most_mps) const {
-    double low = 0.0, high = 0.0;
-    while (high < most_mps) {
-      high = std::min(high + scan_mps, most_mps);
-      if (!can_corner(p, high)) break;
-      low = high;
-    }
-    while (high - low > tolerance_mps) {
-      const double middle = 0.5 * (low + high);
-      (can_corner(p, middle) ? low : high) = middle;
-    }
-    return low;
+    if (!is_too_steep_to_stand(p)) return band_end_mps(p, 0.0, most_mps, Within::all);
+    for (const Within within : {Within::all, Within::lateral_and_grip, Within::grip})
+      if (const auto from_mps = band_begin_mps(p, most_mps, within))
+        return band_end_mps(p, *from_mps, most_mps, within);
+    return 0.0;
+  }
+  /// Lowest speed up to `most_mps` at which the car stays on the bank; none: it slides down at all of them.
+  [[nodiscard]] std::optional<double> hold_mps(const LinePoint& p, double most_mps) const {
+    return band_begin_mps(p, most_mps, Within::grip);
+  }
+  /// Whether the tyres, with all their grip, cannot hold the car against the bank.
+  [[nodiscard]] bool slides_down(const LinePoint& p, double speed_mps) const {
+    const RoadLoad load = road_load(p, speed_mps);
+    return load.lateral_mps2 * p.banking > 0.0 && std::abs(load.lateral_mps2) > able_mps2(p, speed_mps, load);
   }
   /// Deceleration (positive) on the brakes, with the slope.
   [[nodiscard]] double brake_mps2(const LinePoint& p, double speed_mps) const {
@@ -61,6 +68,43 @@ class Limits {
   }
 
  private:
+  [[nodiscard]] double able_mps2(const LinePoint& p, double speed_mps, const RoadLoad& load) const {
+    return envelope_.max_lateral_mps2({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
+  }
+  [[nodiscard]] bool is_too_steep_to_stand(const LinePoint& p) const {
+    const RoadLoad load = road_load(p, 0.0);
+    return std::abs(load.lateral_mps2) >
+           std::min(driver_.max_lateral_mps2, driver_.grip_share * able_mps2(p, 0.0, load));
+  }
+  /// From a speed that is possible up to the first that is not.
+  [[nodiscard]] double band_end_mps(const LinePoint& p, double from_mps, double most_mps, Within within) const {
+    double low = from_mps, high = from_mps;
+    while (high < most_mps) {
+      high = std::min(high + scan_mps, most_mps);
+      if (!can_corner(p, high, within)) break;
+      low = high;
+    }
+    while (high - low > tolerance_mps) {
+      const double middle = 0.5 * (low + high);
+      (can_corner(p, middle, within) ? low : high) = middle;
+    }
+    return low;
+  }
+  /// The lowest possible speed, where the lowest speeds are not.
+  [[nodiscard]] std::optional<double> band_begin_mps(const LinePoint& p, double most_mps, Within within) const {
+    const double end_mps = std::min(most_mps, fastest_on_bank_mps);
+    double low = 0.0, high = 0.0;
+    while (!can_corner(p, high, within)) {
+      if (high >= end_mps) return std::nullopt;
+      low = high, high = std::min(high + scan_mps, end_mps);
+    }
+    while (high - low > tolerance_mps) {
+      const double middle = 0.5 * (low + high);
+      (can_corner(p, middle, within) ? high : low) = middle;
+    }
+    return high;
+  }
+
   const EnvelopeTable& envelope_;
   const Driver& driver_;
 };
@@ -138,6 +182,15 @@ std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& env
     }
   }
   return speed;
+}
+
+std::optional<SteepBank> first_too_steep_bank(const DrivingLine& line, const EnvelopeTable& envelope,
+                                              const Driver& driver, const std::vector<double>& speed_mps) {
+  const Limits limits(envelope, driver);
+  for (std::size_t i = 0; i < speed_mps.size(); ++i)
+    if (limits.slides_down(line.points[i], speed_mps[i]))
+      return SteepBank{i, limits.hold_mps(line.points[i], fastest_on_bank_mps)};
+  return std::nullopt;
 }
 
 std::vector<double> legal_speeds(const roadquery::RoadQuery& query, const Route& route, const DrivingLine& line) {

@@ -2,6 +2,8 @@
 #pragma once
 // How fast the car may be at each place of its line.
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "orthodrive/drive/car/driver.hpp"
@@ -33,9 +35,19 @@ struct SpeedCaps {
 /// simulation, 2005; with the third dimension as Lovato and Massaro, A three-dimensional free-trajectory
 /// quasi-steady-state optimal-control method, 2022). The limit by curvature, banking, crests and the car's envelope,
 /// then a backward pass with the brakes and a forward pass with the engine, both at the lateral acceleration of the
-/// place.
+/// place. On a bank that is too steep for low speeds the limit is the largest of the speeds that hold the car there;
+/// where the driver's limits leave none, first max_vertical_mps2 and then max_lateral_mps2 do not count.
 [[nodiscard]] std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& envelope,
                                              const Driver& driver, const SpeedCaps& caps = {});
+
+/// A place where the tyres do not hold the car on a bank at the planned speed.
+struct SteepBank {
+  std::size_t point = 0;            ///< of the line
+  std::optional<double> least_mps;  ///< so fast the car stays on it; none: at no speed
+};
+/// The first one, if there is one. `speed_mps`: as planned, one per line point.
+[[nodiscard]] std::optional<SteepBank> first_too_steep_bank(const DrivingLine& line, const EnvelopeTable& envelope,
+                                                            const Driver& driver, const std::vector<double>& speed_mps);
 
 /// Speed limit at every point of the line, m/s: that of the lane below it, else of the road there; infinite where there
 /// is none.

@@ -47,14 +47,16 @@ std::vector<double> margins(const DrivingLine& line, const std::vector<Room>& ro
   return margin_m;
 }
 
-/// How far a wheel beside a place of its axle stands from the road, towards the axle; 0: on it.
-double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, double z_m) {
+/// How far a wheel beside a place of its axle stands from the road, towards the axle; 0: on it. `rise_m`: of the road
+/// from the axle's place, at height `z_m`, to the wheel.
+double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, double z_m, double rise_m) {
   constexpr double step_m = 0.05;
   roadquery::Cursor cursor;
   const double half_m = length(to_wheel);
   for (double off_m = 0.0; off_m < half_m; off_m += step_m) {
-    const Vec2 at = axle + (1.0 - off_m / half_m) * to_wheel;
-    if (place_for_car(query, at.x, at.y, z_m, cursor)) return off_m;
+    const double share = 1.0 - off_m / half_m;
+    const Vec2 at = axle + share * to_wheel;
+    if (place_for_car(query, at.x, at.y, z_m + share * rise_m, cursor)) return off_m;
   }
   return 0.0;  // the axle itself is beside the road: nothing to be told from
 }
@@ -102,8 +104,9 @@ bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offs
     for (const double axle_m : {half_base_m, -half_base_m}) {
       const Vec2 axle = Vec2{p.x_m, p.y_m} + axle_m * ahead;
       const double z_m = p.z_m + axle_m * p.gradient;
-      const double need =
-          off_road_m(query, axle, -half_car_m * left, z_m) - off_road_m(query, axle, half_car_m * left, z_m);
+      const double rise_m = half_car_m * std::tan(p.banking);
+      const double need = off_road_m(query, axle, -half_car_m * left, z_m, -rise_m) -
+                          off_road_m(query, axle, half_car_m * left, z_m, rise_m);
       if (need == 0.0) continue;
       const auto middle = static_cast<std::ptrdiff_t>(i) + static_cast<std::ptrdiff_t>(std::lround(axle_m));
       for (std::ptrdiff_t k = middle - around; k <= middle + around; ++k) {
