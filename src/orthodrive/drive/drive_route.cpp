@@ -225,12 +225,13 @@ SpeedCaps caps_of(const roadquery::RoadQuery& query, const DriveOptions& options
 }
 
 /// Speeds for every point of the line, slower where the body would be thrown up and down: what comes shortly before a
-/// bump throws it as well, so the places before count with it.
+/// bump throws it as well, so the places before count with it. Never slower than holds the car on a bank.
 std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const DriveOptions& options,
                                     const DrivingLine& line, const EnvelopeTable& envelope, SpeedCaps caps) {
   std::vector<double> speed = plan_speed(line, envelope, options.driver, caps);
   if (options.style != DrivingStyle::road) return speed;
   const AxleHeights heights = axle_heights(query, line, options.car);
+  const std::vector<double> least_mps = least_speeds_on_banks(line, envelope, options.driver);
   for (int round = 0; round < bump_rounds; ++round) {
     const std::vector<double> heave = heave_mps2(line, heights, speed, options.car);
     std::vector<double> slower(speed.size(), 1.0);
@@ -241,7 +242,9 @@ std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const Dri
     }
     if (std::all_of(slower.begin(), slower.end(), [](double share) { return share > 0.98; })) break;
     for (std::size_t i = 0; i < speed.size(); ++i)
-      if (slower[i] < 1.0) caps.legal_mps[i] = std::max(slower[i] * speed[i], slowest_over_bumps_mps);
+      if (slower[i] < 1.0)
+        caps.legal_mps[i] =
+            std::max({slower[i] * speed[i], slowest_over_bumps_mps, std::min(least_mps[i], caps.legal_mps[i])});
     speed = plan_speed(line, envelope, options.driver, caps);
   }
   return speed;

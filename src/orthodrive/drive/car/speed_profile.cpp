@@ -184,6 +184,15 @@ std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& env
   return speed;
 }
 
+std::vector<double> least_speeds_on_banks(const DrivingLine& line, const EnvelopeTable& envelope,
+                                          const Driver& driver) {
+  const Limits limits(envelope, driver);
+  std::vector<double> least_mps;
+  least_mps.reserve(line.points.size());
+  for (const LinePoint& p : line.points) least_mps.push_back(limits.hold_mps(p, fastest_on_bank_mps).value_or(0.0));
+  return least_mps;
+}
+
 std::optional<SteepBank> first_too_steep_bank(const DrivingLine& line, const EnvelopeTable& envelope,
                                               const Driver& driver, const std::vector<double>& speed_mps) {
   const Limits limits(envelope, driver);

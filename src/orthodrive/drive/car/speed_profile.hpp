@@ -40,6 +40,11 @@ struct SpeedCaps {
 [[nodiscard]] std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& envelope,
                                              const Driver& driver, const SpeedCaps& caps = {});
 
+/// Lowest speed at every point of the line that holds the car on its bank, m/s; 0 where it can stand, and where no
+/// speed does.
+[[nodiscard]] std::vector<double> least_speeds_on_banks(const DrivingLine& line, const EnvelopeTable& envelope,
+                                                        const Driver& driver);
+
 /// A place where the tyres do not hold the car on a bank at the planned speed.
 struct SteepBank {
   std::size_t point = 0;            ///< of the line
