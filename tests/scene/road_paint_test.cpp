@@ -49,6 +49,8 @@ TEST(RoadPaint, zebra_has_bars_along_the_road_as_many_as_fit) {
   EXPECT_NEAR(box.max_x, 52.0, 1e-9);
   EXPECT_NEAR(box.max_y, 2.75, 1e-9) << "in the middle";
   EXPECT_NEAR(box.min_y, -2.75, 1e-9);
+  zebra.subtype.clear();
+  EXPECT_NEAR(summed_m2(road_paint(road_with(zebra))), 6 * 0.5 * 4.0, 1e-9) << "OpenDRIVE before 1.7 has no subtypes";
   zebra.subtype = "virtual";
   EXPECT_TRUE(road_paint(road_with(zebra)).empty());
   zebra.subtype = "pedestrian";

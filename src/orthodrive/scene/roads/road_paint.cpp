@@ -206,7 +206,8 @@ class Hatching {
 
 void add_crosswalk(const Road& road, const RoadObject& object, std::vector<MarkingPiece>& to) {
   const Extent e = extent_of(object);
-  if (object.subtype == "zebra") add_strokes(road, e, bar_m, bar_gap_m, to);
+  // Before 1.7 crosswalks had no subtypes.
+  if (object.subtype == "zebra" || object.subtype.empty()) add_strokes(road, e, bar_m, bar_gap_m, to);
   if (object.subtype != "pedestrian") return;
   for (const double s : {e.s0, e.s1 - line_m})
     add_strokes(road, {s, s + line_m, e.t0, e.t1}, line_stroke_m, line_gap_m, to);

@@ -9,8 +9,8 @@
 namespace orthodrive::scene {
 
 /// Polygons of the crosswalks and road marks among the road's objects:
-/// - crosswalk "zebra": bars of 0.5 m along the road, 0.5 m apart; "pedestrian": two broken lines of 0.12 m; others:
-///   nothing
+/// - crosswalk "zebra", and without a subtype, as OpenDRIVE before 1.7 has them: bars of 0.5 m along the road, 0.5 m
+///   apart; "pedestrian": two broken lines of 0.12 m; others: nothing
 /// - "signalLines": the box; a "give way line" in blocks of 0.5 m, 0.25 m apart
 /// - "arrowLeft" ... "arrowStraightLeftRight": an arrow as long and wide as the box
 /// - "hatchedArea" with an outline along one side and back along the other: two lines of 0.15 m and between them
