@@ -105,6 +105,7 @@ PARTS = [  # a part stands behind those whose files it takes
         [["foreign-opendrive"]],
         "`../shared/foreign/opendrive`, FMPy",
     ),
+    Part("strangers", "strangers", 2, [["strangers"]], "`../shared/cases`, what the two parts before measured"),
     Part(
         "every-road",
         "every_road",
