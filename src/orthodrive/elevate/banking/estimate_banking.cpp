@@ -12,6 +12,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/elevate/banking/fit_banking.hpp"
+#include "orthodrive/elevate/banking/shared_slopes.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
@@ -22,6 +23,9 @@ constexpr double largest_raceway_slope = 0.7;  // ovals are banked by up to 35 d
 
 using namespace elevate;
 
+// Of two roads on one pavement: what the Green Book lets break between the lanes of a turning road and those of the main
+// one at over 60 km/h. Roads that come apart steeper are two surfaces.
+constexpr double steepest_pavement = 0.05;
 constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a narrow angle
 
 void check_banking(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const BankingOptions& options) {
@@ -159,6 +163,16 @@ void add_anchors(const StationChain& chain, const BankedMeeting& meeting, const 
   walk_away(chain, meeting.station, longest_overlap_m, [&](std::size_t i, double) { return anchor(i); });
 }
 
+/// Where no plane of a junction tells the slope.
+void add_where_free(const std::vector<BankingAnchor>& shared, std::vector<BankingAnchor>& anchors) {
+  std::vector<std::size_t> taken;
+  taken.reserve(anchors.size());
+  for (const BankingAnchor& anchor : anchors) taken.push_back(anchor.station);
+  std::ranges::sort(taken);
+  for (const BankingAnchor& anchor : shared)
+    if (!std::ranges::binary_search(taken, anchor.station)) anchors.push_back(anchor);
+}
+
 constexpr double most_twist_1pm = 0.007;  // 5 % in 7 m
 
 /// Largest slope at every station: the limit of the road, and no less than a junction's plane until it has run
@@ -257,21 +271,34 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
 
   std::vector<BankingFit> fits(network.chains.size());
   std::vector<Findings> findings(network.chains.size());
+  std::vector<std::vector<BankingAnchor>> shared(network.chains.size());
   const auto fit = [&](std::size_t c) {
     const StationChain& chain = network.chains[c];
     const DesignBanking design = design_banking(roads, chain, options.design_crown, options.driving_side);
     std::vector<BankingAnchor> anchors;
     for (const BankedMeeting& meeting : meetings[c])
       add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], anchors);
+    add_where_free(shared[c], anchors);
     fits[c] = fit_banking(chain, samples[c], design, anchors, options);
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
       if (fits[c].source[i] == BankingSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
         fits[c].source[i] = BankingSource::none;
     limit_twist(chain, design, anchors, fits[c]);
+    findings[c].clear();
     limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], findings[c]);
   };
-  for (const std::vector<std::size_t>& generation : generations(order, meetings))
-    parallel_for(generation.size(), options.threads, [&](std::size_t k) { fit(generation[k]); });
+  const auto fit_all = [&] {
+    for (const std::vector<std::size_t>& generation : generations(order, meetings))
+      parallel_for(generation.size(), options.threads, [&](std::size_t k) { fit(generation[k]); });
+  };
+  fit_all();
+  if (options.in_junction_planes) {
+    const PathLinks links = link_path_ends(roads);
+    shared = share_slopes(network,
+                          find_shared_pavement(roads, make_profile_chains(roads, links), find_junctions(roads, links)),
+                          fits, std::min(options.largest_slope, steepest_pavement));
+    if (std::ranges::any_of(shared, [](const auto& anchors) { return !anchors.empty(); })) fit_all();
+  }
   for (const std::size_t c : order)
     result.findings.insert(result.findings.end(), findings[c].begin(), findings[c].end());
 

@@ -10,12 +10,13 @@
 
 namespace orthodrive::elevate {
 
-/// At this station the surface is that of a higher ranked road, or the plane that the roads of a junction have in
-/// common.
+/// At this station the surface is that of a higher ranked road, the plane that the roads of a junction have in
+/// common, or one surface with a road beside it.
 struct BankingAnchor {
   std::size_t station = 0;
   double slope = 0.0;
-  bool is_main = false;  ///< the most important road of the junction: it keeps its crown, and turns no faster there
+  bool is_main = false;  ///< the most important road of the junction, or a road beside another one: it keeps its
+                         ///< crown, and turns no faster there
 };
 
 /// A road turns into the plane of a junction over this length: 5 % at the relative gradient of 0.65 % for 50 km/h, over

@@ -100,7 +100,7 @@ void follow_both(const RoadNetwork& roads, const ProfileChains& chains, const Ra
     const double side = cross(at->p - before->p, beside->p - at->p) * way > 0.0 ? 1.0 : -1.0;
     shared.push_back({main.chain, other.chain, first_round(a, main.s_m + main.sign * main_m),
                       first_round(b, other.s_m + other.sign * other_m), side * off_m, at->nearest->path,
-                      at->nearest->node});
+                      at->nearest->node, beside->nearest->path, beside->nearest->node});
   }
 }
 

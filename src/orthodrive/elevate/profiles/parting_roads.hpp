@@ -14,7 +14,7 @@ struct SharedPavement {
   std::size_t main_chain = 0, other_chain = 0;  ///< the main road has the higher class, then the greater width
   double main_s_m = 0.0, other_s_m = 0.0;       ///< along the chains
   double left_m = 0.0;  ///< of the other place from the main road, in the direction of the main road's path
-  std::size_t main_path = 0, main_node = 0;  ///< nearest to the main place
+  std::size_t main_path = 0, main_node = 0, other_path = 0, other_node = 0;  ///< nearest to the two places
 };
 
 /// Every 5 m along roads that leave one node within 40 degrees of each other, from 5 m after it until 3 m lie

@@ -78,7 +78,7 @@ BuildStage elevate_stage(SiteBuild& build) {
   options["elevate.sampling"] = site.dtm_sampling;
   options["refine.driving_side"] = to_string(site.driving_side);
   return {.name = "elevate",
-          .version = 8,
+          .version = 9,
           // The road graph shows the map's roads as well.
           .sources = {{"dtm", site.dtm, SourceRole::Kind::raster},
                       {"drive_logs", log_files},
