@@ -12,8 +12,8 @@
 namespace roadquery {
 namespace {
 
-constexpr double level_tolerance_m = 1e-4, shortest_piece_m = 0.05;
-constexpr double least_share = 1e-4;  // of a section: no more pieces than that, whatever a damaged file says
+constexpr double level_tolerance_m = 1e-4, shortest_level_m = 0.05;
+constexpr double least_level_share = 1e-4;  // of a section: no more pieces than that, whatever a damaged file says
 
 /// One side of a section from its first level lane on.
 class LevelSide {
@@ -66,7 +66,7 @@ class LevelSide {
   }
   void split(double from, double to, std::vector<double>& result) const {
     const double middle = 0.5 * (from + to), inside = std::min(1e-9, 1e-3 * (to - from));
-    if (to - from < 2.0 * std::max(shortest_piece_m, least_share * (end_ - section_.s))) return;
+    if (to - from < 2.0 * std::max(shortest_level_m, least_level_share * (end_ - section_.s))) return;
     const std::vector<double> a = gaps(from), b = gaps(to - inside), m = gaps(middle);
     bool linear = true;
     for (std::size_t i = 0; i < m.size(); ++i)
