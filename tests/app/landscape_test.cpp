@@ -275,7 +275,9 @@ TEST(Landscape, what_cannot_be_driven_is_said_with_its_file) {
   };
   const std::string file = (scratch / "short.xodr").string() + ": ";
   write_straight("5", "driving");
-  EXPECT_THAT(line({}), HasSubstr(file + "the route is only 5.0 m long"));
+  const ToolRun run = run_tool({"drive", "--network", scratch / "short.xodr", "-o", scratch / "drive"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out + run.err, HasSubstr("drive.too_short at 0.0, 0.0: the route is only 5.0 m long"));
   write_straight("50", "sidewalk");
   EXPECT_THAT(line({}), HasSubstr(file + "the road network has no lane that a car can drive on"));
   EXPECT_THAT(line({"--all-roads"}), HasSubstr(file + "the road network has no lane that a car can drive on"));

@@ -23,7 +23,6 @@ from measuring.common import (
 )
 
 STORE, PAGE = "strangers.json", PAGES / "strangers.md"
-STORES = [STORE, foreign_opendrive.STORE, *foreign_osm.STORES.values()]
 CASES = ROOT.parent / "shared/cases"
 CASE_S = 600  # of one case
 COUNTRIES = ROOT / "docs/countries.md"
@@ -125,7 +124,7 @@ def countries_row():
 ABOUT = """# Measured: data of strangers
 
 `tools/measure strangers` runs the cases of `../shared/cases` (small inputs after public reports) and takes the other
-numbers from the pages that the last column names.
+numbers from the pages that the last column names, which name their own commits.
 
 """
 
@@ -148,4 +147,4 @@ def run(args):
         write_results(STORE, results)
     verdicts, lanes = (read_results(store, {"extracts": {}})["extracts"] for store in foreign_osm.STORES.values())
     opendrive = read_results(foreign_opendrive.STORE, {})
-    write_page(PAGE, STORES, page(results["cases"], opendrive, verdicts, lanes))
+    write_page(PAGE, [STORE], page(results["cases"], opendrive, verdicts, lanes))
