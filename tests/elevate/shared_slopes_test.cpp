@@ -75,14 +75,15 @@ TEST(SharedSlopes, HoldForRoadsThatMerge) {
   EXPECT_LT(largest_step_m(roads.paths[1], roads.paths[2], 2.5, -1.0), 0.02);
 }
 
-TEST(SharedSlopes, LeaveWhatFitsAndWhatIsFarApart) {
+/// Where the edges have parted by 3 m the slip road turns to the slope that it has by itself.
+TEST(SharedSlopes, LeaveWhatIsFarApart) {
   const RoadNetwork fork = one_way_fork(1.0, "primary", "primary_link");
-  // Both fall by 2.5 % to the right already; heights that are smoothed ask for a little less.
-  const RoadNetwork fitting = elevate_roads(fork, {coarse_slope(0.025)}, {}).roads;
-  for (const RoadNode& node : fitting.paths[2].nodes) EXPECT_NEAR(std::tan(node.banking), 0.025, 0.005);
-  // Behind where 3 m lie between them each turns to its own slope again, over some 20 m.
-  const RoadNetwork apart = elevate_roads(fork, {coarse_slope(-0.04)}, {}).roads;
-  EXPECT_NEAR(std::tan(apart.paths[1].nodes.back().banking), 0.025, 0.008);
+  RoadNetwork alone = fork;
+  alone.paths.erase(alone.paths.begin(), alone.paths.begin() + 2);
+  const RoadPath beside = elevate_roads(fork, {coarse_slope(-0.04)}, {}).roads.paths[2],
+                 by_itself = elevate_roads(alone, {coarse_slope(-0.04)}, {}).roads.paths[0];
+  EXPECT_NEAR(std::tan(beside.nodes.back().banking), std::tan(by_itself.nodes.back().banking), 0.008);
+  EXPECT_GT(std::abs(std::tan(beside.nodes[40].banking) - std::tan(by_itself.nodes[40].banking)), 0.02) << "4 m aside";
 }
 
 /// One place of two roads 5 m apart, the other one `rise_m` higher.
@@ -101,11 +102,12 @@ std::vector<std::vector<BankingAnchor>> shared_at_one_place(double rise_m, Banki
   return share_slopes(network, {place}, fits, 0.08);
 }
 
-TEST(SharedSlopes, KeepMeasuredOnesAndThoseOfTwoSurfaces) {
+TEST(SharedSlopes, KeepMeasuredOnesThoseOfTwoSurfacesAndOnesThatFit) {
   const auto is_empty = [](const std::vector<BankingAnchor>& anchors) { return anchors.empty(); };
   EXPECT_TRUE(std::ranges::all_of(shared_at_one_place(-0.2, BankingSource::dtm), is_empty));
   EXPECT_TRUE(std::ranges::all_of(shared_at_one_place(-0.2, BankingSource::none), is_empty));
   EXPECT_TRUE(std::ranges::all_of(shared_at_one_place(-1.0, BankingSource::design), is_empty)) << "20 % across";
+  EXPECT_TRUE(std::ranges::all_of(shared_at_one_place(5.0 * 0.025, BankingSource::design), is_empty)) << "one plane";
   const std::vector<std::vector<BankingAnchor>> both = shared_at_one_place(-0.2, BankingSource::design);
   ASSERT_EQ(both[0].size(), 1U);
   ASSERT_EQ(both[1].size(), 1U);
