@@ -5,9 +5,9 @@ and with a C library and a JPEG library that believe themselves on an older proc
 
 same_bytes_test.py ROOT TOOL BUILT OUT     BUILT: where build_village and build_kvarnbyn have left their sites
 
-The plain kernels build all anew. Kernels are used by `segment` alone (nets, crf), so with those of AVX2 only its files are
-made anew: later stages run again where they differ. What this processor cannot run is said and left out. Oldest processor: x86-64 with AVX2 and fused multiply-add (2013);
-without them the C library's exp, sin and pow round differently, and so do results.
+The plain kernels build all anew. Kernels are used by `segment` alone (nets, crf), so with those of AVX2 only its files
+are made anew: later stages run again where they differ. What this processor cannot run is said and left out. Oldest
+processor: x86-64 with AVX2 and fused multiply-add (2013); without them the C library's exp, sin and pow round differently, and so do results.
 """
 
 import os
@@ -81,7 +81,8 @@ def main():
     here, plain, avx2 = (OUT / name for name in ("here", "plain", "avx2"))
     environment = {**os.environ, **OLDER["plain"]}
     build(environment, plain, [site for site in sites if site != "village"])
-    for environment_of, site, folder in ((os.environ, BUILT / "village", here), (environment, plain / "village", plain)):
+    crg_of = ((os.environ, BUILT / "village", here), (environment, plain / "village", plain))
+    for environment_of, site, folder in crg_of:
         (folder / "crg").mkdir(parents=True)
         write_crg(environment_of, site, folder / "crg")
     pairs = [(BUILT / site, plain / site) for site in ("village_site", *sites)]

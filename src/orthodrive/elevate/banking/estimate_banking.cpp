@@ -23,8 +23,8 @@ constexpr double largest_raceway_slope = 0.7;  // ovals are banked by up to 35 d
 
 using namespace elevate;
 
-// Of two roads on one pavement: what the Green Book lets break between the lanes of a turning road and those of the main
-// one at over 60 km/h. Roads that come apart steeper are two surfaces.
+// Of two roads on one pavement: what the Green Book lets break between the lanes of a turning road and those of the
+// main one at over 60 km/h. Roads that come apart steeper are two surfaces.
 constexpr double steepest_pavement = 0.05;
 constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a narrow angle
 
