@@ -7,7 +7,7 @@ same_bytes_test.py ROOT TOOL BUILT OUT     BUILT: where build_village and build_
 
 The plain kernels build all anew. Kernels are used by `segment` alone (nets, crf), so with those of AVX2 only its files
 are made anew: later stages run again where they differ. What this processor cannot run is said and left out. Oldest
-processor: x86-64 with AVX2 and fused multiply-add (2013); without them the C library's exp, sin and pow round differently,
+processor: x86-64 with AVX2 and fused multiply-add (2013); without them the C library rounds exp, sin and pow otherwise,
 and so do results.
 """
 
