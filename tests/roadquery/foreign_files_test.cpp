@@ -20,6 +20,7 @@
 namespace roadquery {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -181,6 +182,11 @@ TEST_F(ForeignFile, road_marks_are_read_with_their_colours_and_lines) {
   EXPECT_TRUE(once.is_single_stroke);
   EXPECT_EQ(section.right[0].marks[0].type, "none");
   EXPECT_EQ(notes_of(map), "");
+  std::string odd = lanes;
+  odd.replace(odd.find("solid solid"), 11, "solid twice");
+  odd.replace(odd.find("yellow"), 6, "ochre");
+  EXPECT_THAT(notes_of(read(road_of(straight + odd))),
+              AllOf(HasSubstr("type=\"solid twice\""), HasSubstr("color=\"ochre\"")));
 }
 
 TEST_F(ForeignFile, what_stands_twice_or_out_of_order_is_sorted_and_the_last_one_counts) {

@@ -106,11 +106,30 @@ TEST(RoadMarkings, two_lines_lie_beside_each_other_as_the_type_names_them) {
     auto& lanes = left ? road.sections[0].left : road.sections[0].right;
     lanes.push_back({.id = left ? 2 : -2, .width = {{.a = 3.0}}});
     lanes[0].marks = {{0.0, "solid broken", 0.12}};
+    int of_solid = 0;
     for (const MarkingPiece& piece : road_markings(road))
       if (distance(piece.corners[0], piece.corners[1]) > 4.0) {
         EXPECT_LT(std::abs(piece.corners[0].y), 3.0) << left;
+        ++of_solid;
       }
+    EXPECT_GE(of_solid, 20);
   }
+}
+
+TEST(RoadMarkings, strokes_of_damaged_files_end_and_stay_on_the_road) {
+  roadquery::Road road = road_with({.start = {0.0, 0.0}}, "none", "none");
+  const auto painted_m2 = [&](const roadquery::RoadMarkLine& line) {
+    road.sections[0].center.marks = {{0.0, "custom", 0.1, "white", {line}}};
+    const auto pieces = road_markings(road);
+    for (const MarkingPiece& piece : pieces)
+      for (const Vec2 p : piece.corners) EXPECT_TRUE(p.x > -1e-9 && p.x < 100.0 + 1e-9) << p.x;
+    return area_m2(pieces);
+  };
+  EXPECT_NEAR(painted_m2({.length = 1e-12, .space = 1e-12}), 100.0 * 0.1, 1e-9);
+  EXPECT_NEAR(painted_m2({.length = 3.0, .space = 7.0, .s_offset = -1e12}), 10 * 3.0 * 0.1, 1e-3);
+  EXPECT_NEAR(painted_m2({.length = 3.0, .s_offset = -1e12}), 100.0 * 0.1, 1e-9);
+  EXPECT_EQ(painted_m2({.length = 3.0, .s_offset = -1e12, .is_single_stroke = true}), 0.0);
+  EXPECT_EQ(painted_m2({.length = 3.0, .space = 7.0, .s_offset = 1e12}), 0.0);
 }
 
 TEST(RoadMarkings, lines_that_are_written_out_count_before_the_type) {

@@ -139,7 +139,7 @@ class Links {
   void check_entry(const RoadEnd& entry, const Lane* lane) {
     if (lane == nullptr || lane->type != LaneType::driving) return;
     if (drives_along(*entry.road, lane->id) != (entry.contact == ContactPoint::start))
-      add(Kind::against, {entry.road->id, entry.s()});
+      add(Kind::against, {entry.road->id, entry.s()}, false);
   }
 
   void check_lane(const SectionEnd& at, const Lane& lane, const std::optional<int>& linked, const SectionEnd& beyond) {
@@ -148,14 +148,13 @@ class Links {
     const Lane* other = find_lane(*beyond.section, *linked);
     if (other == nullptr) return add(Kind::lane, place);
     if (lane.level != other->level)
-      add(has_cross_section(*at.road) || has_cross_section(*beyond.road) ? Kind::level : Kind::level_flat, place);
+      add(Kind::level, place, has_cross_section(*at.road) || has_cross_section(*beyond.road));
     // Lanes of junctions are led to where they begin.
     if (at.road->junction != -1 || beyond.road->junction != -1) return;
-    if (!meet(at.span(lane), beyond.span(*other)))
-      add(is_driven(lane.type) ? Kind::beside : Kind::beside_others, place);
+    if (!meet(at.span(lane), beyond.span(*other))) add(Kind::beside, place, is_driven(lane.type));
   }
 
-  void add(Kind kind, NotePlace where) { broken_.push_back({kind, where}); }
+  void add(Kind kind, NotePlace where, bool bears = true) { broken_.push_back({kind, where, bears}); }
 
   const RoadMap& map_;
   RoadsById by_id_;
@@ -166,14 +165,10 @@ class Links {
 struct LinkNote {
   const char* code = "opendrive.broken_link";
   const char* text = "";
-  bool bears = true;
 };
 
 LinkNote note_of(Kind kind) {
   constexpr const char* wrong = "opendrive.wrong_link";
-  constexpr const char* beside = "lanes are linked that lie beside each other: whoever drives there jumps aside";
-  constexpr const char* level =
-      "lanes with level=\"true\" are linked to lanes without it: they are level as far as they say so";
   switch (kind) {
     case Kind::road:
       return {.text = "links of roads name a <road> that the file does not have: they lead nowhere"};
@@ -187,15 +182,14 @@ LinkNote note_of(Kind kind) {
       return {wrong,
               "reference lines of roads that are linked do not meet at their contactPoint: look which end is meant"};
     case Kind::against:
-      return {wrong, "connections of junctions lead onto a lane against its direction: nobody drives there", false};
+      return {wrong, "connections of junctions lead onto a lane against its direction: nobody drives there"};
     case Kind::beside:
-    case Kind::beside_others:
-      return {wrong, beside, kind == Kind::beside};
+      return {wrong, "lanes are linked that lie beside each other: whoever drives there jumps aside"};
     case Kind::level:
-    case Kind::level_flat:
       break;
   }
-  return {"opendrive.level", level, kind == Kind::level};
+  return {"opendrive.level",
+          "lanes with level=\"true\" are linked to lanes without it: they are level as far as they say so"};
 }
 
 }  // namespace
@@ -205,7 +199,7 @@ std::vector<BrokenLink> broken_links(const RoadMap& map) { return Links(map).tak
 void note_broken_links(const RoadMap& map, NoteList& notes) {
   for (const BrokenLink& link : broken_links(map)) {
     const LinkNote note = note_of(link.kind);
-    notes.add(note.code, note.text, note.bears, link.where);
+    notes.add(note.code, note.text, link.bears, link.where);
   }
 }
 

@@ -12,19 +12,18 @@ namespace roadquery {
 /// A link to what the map does not have: whoever drives there gets no further. Or one to what does not lie behind it.
 struct BrokenLink {
   enum class Kind : std::uint8_t {
-    road,           ///< of a road to a road that is not there
-    junction,       ///< of a road to a junction that is not there
-    connection,     ///< of a junction's connection to a road that is not there
-    lane,           ///< of a lane or a connection to a lane that is not there
-    apart,          ///< of roads whose reference lines do not meet at their contact point
-    against,        ///< of a connection onto a lane against its direction
-    beside,         ///< of lanes that lie beside each other
-    beside_others,  ///< likewise, of lanes that no car drives on
-    level,          ///< of level lanes to ones that are not, where the road has a cross section
-    level_flat,     ///< likewise, where it has none
+    road,        ///< of a road to a road that is not there
+    junction,    ///< of a road to a junction that is not there
+    connection,  ///< of a junction's connection to a road that is not there
+    lane,        ///< of a lane or a connection to a lane that is not there
+    apart,       ///< of roads whose reference lines do not meet at their contact point
+    against,     ///< of a connection onto a lane against its direction
+    beside,      ///< of lanes that lie beside each other
+    level,       ///< of level lanes to ones that are not
   };
   Kind kind = Kind::road;
   NotePlace where;
+  bool bears = true;  ///< on what a car drives on
 };
 
 /// By road, then by junction, in their order; along s in each. The map's roads need not be in order.

@@ -608,6 +608,24 @@ class Builder {
     lane_->marks.push_back({a.number("sOffset"), lowered(trimmed(a.text("type"))),
                             a.number("width", a.text("weight") == "bold" ? bold_m : usual.width),
                             color.empty() ? usual.color : color});
+    note_road_mark(lane_->marks.back());
+  }
+  /// Names of 1.8.1 (e_roadMarkType, e_roadMarkColor).
+  void note_road_mark(const RoadMark& mark) {
+    constexpr std::string_view types[] = {"botts dots", "broken", "broken broken", "broken solid",
+                                          "curb",       "custom", "edge",          "grass",
+                                          "none",       "solid",  "solid broken",  "solid solid"};
+    constexpr std::string_view colors[] = {"black",    "blue",   "green", "orange", "red",
+                                           "standard", "violet", "white", "yellow"};
+    const auto has = [](const auto& names, const std::string& name) {
+      return std::find(std::begin(names), std::end(names), name) != std::end(names);
+    };
+    if (!has(types, mark.type))
+      notes.add("opendrive.road_mark", "<roadMark> has type=\"" + mark.type + "\", which nothing is painted for", false,
+                here());
+    if (!has(colors, mark.color))
+      notes.add("opendrive.road_mark", "<roadMark> has color=\"" + mark.color + "\", it is taken as white", false,
+                here());
   }
   void read_mark_line(bool is_single_stroke, const Attributes& a) {
     lane_->marks.back().lines.push_back({a.number("length", 0.0), a.number("space", 0.0), a.number("tOffset", 0.0),

@@ -6,11 +6,9 @@
 namespace orthodrive {
 
 RoadMarkRule rule_here(const RoadMarkRules& rules) {
-  for (const std::string& country : {rules.here, rules.here.substr(0, rules.here.find('-')), std::string()}) {
-    const auto rule = std::ranges::find(rules.rules, country, &RoadMarkRule::country);
-    if (rule != rules.rules.end()) return *rule;
-  }
-  return {};
+  const std::string country = rules.here.substr(0, rules.here.find('-'));
+  const auto rule = std::ranges::find(rules.rules, country, &RoadMarkRule::country);
+  return rule == rules.rules.end() ? RoadMarkRule{} : *rule;
 }
 
 }  // namespace orthodrive

@@ -15,12 +15,12 @@ struct StrokeRule {
 
 /// Of one country; colours as OpenDRIVE names them (1.8.1, e_roadMarkColor).
 struct RoadMarkRule {
-  std::string country;                          ///< ISO 3166-1; empty: the rest of the world
+  std::string country;                          ///< ISO 3166-1
   std::string between_directions = "standard";  ///< colour of what parts opposite directions
   std::string inner_edge = "standard";          ///< of the edge on the side of the oncoming traffic of one-way roads
   bool is_solid_centre_double = false;          ///< a solid line between opposite directions is two lines
-  std::vector<StrokeRule>
-      strokes;  ///< by speed, slowest first; the last one counts for what is faster. Empty: RMS-1 1993
+  /// By speed, slowest first; the last one counts for what is faster. Empty: nothing is written out.
+  std::vector<StrokeRule> strokes;
 };
 
 struct RoadMarkRules {
@@ -28,7 +28,7 @@ struct RoadMarkRules {
   std::string here;                 ///< country of the roads, ISO 3166-1 or -2; empty: not known
 };
 
-/// The rule of `here`, of its country where it is a part of one, else that of the rest of the world.
+/// The rule of `here`, or of its country where it is a part of one. Where there is none, the default: white lines.
 [[nodiscard]] RoadMarkRule rule_here(const RoadMarkRules& rules);
 
 }  // namespace orthodrive

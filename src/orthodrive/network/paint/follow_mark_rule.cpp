@@ -31,7 +31,7 @@ void paint_between_directions(const RoadMarkRule& rule, Lane& lane) {
   }
 }
 
-/// The strokes of a road with this limit; none: those of RMS-1.
+/// The strokes of a road with this limit; null where the rule has none.
 const StrokeRule* strokes_of(const RoadMarkRule& rule, double speed_mps) {
   constexpr double rounding_kmh = 0.5;
   for (const StrokeRule& strokes : rule.strokes)

@@ -81,19 +81,30 @@ CountryPart read_part(TomlSection& section, const std::vector<Country>& countrie
   return part;
 }
 
-struct SpeedLawEntry {
+/// What a country has, with the id that read_entries() asks for.
+template <typename Rules>
+struct OfCountry {
   std::string id;
-  SpeedLaw law;
+  Rules rules;
 };
 
-SpeedLawEntry read_speed_law(TomlSection& section) {
+/// Where an entry comes from: for those who read the file.
+void read_origin(TomlSection& section) {
+  std::string text;
+  for (const char* key : {"source", "checked"}) section.require(key);
+  for (const char* key : {"source", "note"}) section.read(key, text);
+  section.read_choice("checked", text, {"documentation", "use", "memory"});
+  section.finish();
+}
+
+OfCountry<SpeedLaw> read_speed_law(TomlSection& section) {
   constexpr double mile_km = 1.609344, most_kmh = 200.0;
-  SpeedLawEntry entry;
-  for (const char* key : {"id", "unit", "urban", "source", "checked"}) section.require(key);
+  OfCountry<SpeedLaw> entry;
+  for (const char* key : {"id", "unit", "urban"}) section.require(key);
   section.read("id", entry.id);
-  SpeedLaw& law = entry.law;
+  SpeedLaw& law = entry.rules;
   law.country = entry.id;
-  std::string unit, text;
+  std::string unit;
   section.read_choice("unit", unit, {"km/h", "mph"});
   law.unit_kmh = unit == "mph" ? mile_km : 1.0;
   for (const auto& [key, limit] : {std::pair{"living_street", &law.living_street},
@@ -109,16 +120,9 @@ SpeedLawEntry read_speed_law(TomlSection& section) {
     *limit *= law.unit_kmh;
     if (!(*limit > 0.0 && *limit < most_kmh)) section.fail_at(key, "must be a speed above 0 and below 200 km/h");
   }
-  for (const char* key : {"source", "note"}) section.read(key, text);
-  section.read_choice("checked", text, {"documentation", "use", "memory"});
-  section.finish();
+  read_origin(section);
   return entry;
 }
-
-struct RoadMarkEntry {
-  std::string id;
-  RoadMarkRule rule;
-};
 
 StrokeRule read_strokes(TomlSection& section) {
   StrokeRule strokes;
@@ -131,11 +135,11 @@ StrokeRule read_strokes(TomlSection& section) {
   return strokes;
 }
 
-RoadMarkEntry read_road_mark_rule(TomlSection& section) {
-  RoadMarkEntry entry;
-  for (const char* key : {"id", "source", "checked"}) section.require(key);
+OfCountry<RoadMarkRule> read_road_mark_rule(TomlSection& section) {
+  OfCountry<RoadMarkRule> entry;
+  section.require("id");
   section.read("id", entry.id);
-  RoadMarkRule& rule = entry.rule;
+  RoadMarkRule& rule = entry.rules;
   rule.country = entry.id;
   for (const auto& [key, color] :
        {std::pair{"between_directions", &rule.between_directions}, {"inner_edge", &rule.inner_edge}})
@@ -147,10 +151,7 @@ RoadMarkEntry read_road_mark_rule(TomlSection& section) {
       strokes.fail_at("to_kmh", "must be above that of the entry before");
     rule.strokes.push_back(next);
   });
-  std::string text;
-  for (const char* key : {"source", "note"}) section.read(key, text);
-  section.read_choice("checked", text, {"documentation", "use", "memory"});
-  section.finish();
+  read_origin(section);
   return entry;
 }
 
@@ -368,18 +369,18 @@ std::string law_at(const Country& country, Vec2 lonlat) {
 }
 
 SpeedLaws read_speed_laws(const fs::path& folder) {
-  std::vector<SpeedLawEntry> entries;
+  std::vector<OfCountry<SpeedLaw>> entries;
   read_entries(folder / "speed_limits.toml", "country", entries, read_speed_law);
   SpeedLaws laws;
-  for (SpeedLawEntry& entry : entries) laws.laws.push_back(std::move(entry.law));
+  for (OfCountry<SpeedLaw>& entry : entries) laws.laws.push_back(std::move(entry.rules));
   return laws;
 }
 
 RoadMarkRules read_road_marks(const fs::path& folder) {
-  std::vector<RoadMarkEntry> entries;
+  std::vector<OfCountry<RoadMarkRule>> entries;
   read_entries(folder / "road_marks.toml", "country", entries, read_road_mark_rule);
   RoadMarkRules rules;
-  for (RoadMarkEntry& entry : entries) rules.rules.push_back(std::move(entry.rule));
+  for (OfCountry<RoadMarkRule>& entry : entries) rules.rules.push_back(std::move(entry.rules));
   return rules;
 }
 

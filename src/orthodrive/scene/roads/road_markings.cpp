@@ -13,6 +13,7 @@ namespace {
 constexpr double max_piece_m = 5.0, chord_error_m = 0.01;
 constexpr double min_width_m = 0.02;  // of a lane whose border is painted: where lanes begin there are two lines on one
 
+constexpr double least_period_m = 0.1;          // strokes that are closer look like one, whatever a damaged file says
 constexpr double dot_m = 0.1, dot_gap_m = 1.1;  // Caltrans, Standard Plans 2018, A20A: dots of 4 inches every 4 feet
 
 /// A line of a mark, as RoadMarkLine, with what the mark and the road give it.
@@ -105,11 +106,12 @@ void add_line_strokes(const MarkLine& line, const PaintedLine& painted, double f
   };
   const double begin = from + painted.s_offset_m, period_m = painted.stroke_m + painted.gap_m;
   if (painted.is_single_stroke) {
-    stroke(begin, std::min(to, begin + painted.stroke_m));
-  } else if (!(painted.gap_m > 0.0) || !(painted.stroke_m > 0.0)) {
-    stroke(begin, to);
+    stroke(std::max(from, begin), std::min(to, begin + painted.stroke_m));
+  } else if (!(painted.gap_m > 0.0) || !(painted.stroke_m > 0.0) || period_m < least_period_m) {
+    stroke(std::max(from, begin), to);
   } else {
-    for (double s = painted.goes_on ? std::floor(from / period_m) * period_m : begin; s < to; s += period_m)
+    const double phase = painted.goes_on ? 0.0 : begin, first = std::max(from, begin);
+    for (double s = phase + std::floor((first - phase) / period_m) * period_m; s < to; s += period_m)
       stroke(std::max(from, s), std::min(to, s + painted.stroke_m));
   }
 }
