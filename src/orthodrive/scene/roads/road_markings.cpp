@@ -28,6 +28,7 @@ struct PaintedLine {
 /// `outwards`: 1 where what lies further out lies further left.
 std::vector<PaintedLine> painted_lines(const roadquery::RoadMark& mark, const roadquery::Road& road, double outwards) {
   std::vector<PaintedLine> lines;
+  lines.reserve(mark.lines.size());
   for (const roadquery::RoadMarkLine& line : mark.lines)
     lines.push_back({line.length, line.space, line.t_offset, line.s_offset, line.width > 0.0 ? line.width : mark.width,
                      paint_color(line.color.empty() ? mark.color : line.color), line.is_single_stroke});
