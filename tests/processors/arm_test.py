@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prediction and the CRF give the same bits on a 64-bit Arm processor: built by a cross compiler, run in an emulator.
 
-arm_test.py ROOT BUILD [ARCHITECTURE ...]     networks besides the default one, by hand: an emulator takes its time
+arm_test.py ROOT PRINT_BITS BUILD [ARCHITECTURE ...]
+
+PRINT_BITS is the program for this processor. Networks besides the default one, by hand: an emulator takes its time.
 
 Skipped where the compiler or the emulator is missing (tools/setup --peers).
 """
@@ -20,21 +22,21 @@ ARM = [
 ]
 
 
-def build(source, folder, options):
-    words = ["cmake", "-S", source, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "--log-level=ERROR"]
-    subprocess.run([*words, *options], check=True, stdout=subprocess.DEVNULL)
+def build(source, folder):
+    words = ["cmake", "-S", source, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "--log-level=ERROR", *ARM]
+    subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", folder, "--", "--quiet"], check=True)
     return folder / "print_bits"
 
 
 def main():
-    source, out = pathlib.Path(sys.argv[1]) / "tests/processors/arm", pathlib.Path(sys.argv[2])
-    networks = NETWORKS + sys.argv[3:]
+    root, here, folder = map(pathlib.Path, sys.argv[1:4])
+    networks = NETWORKS + sys.argv[4:]
     for program in ("aarch64-linux-gnu-g++", "qemu-aarch64"):
         if not shutil.which(program):
             print(f"SKIPPED: no {program}")
             return 77
-    here, arm = build(source, out / "here", []), build(source, out / "arm64", ARM)
+    arm = build(root / "tests/processors/arm", folder)
     said = [
         subprocess.run([*words, *networks], check=True, capture_output=True, text=True).stdout
         for words in ([here], ["qemu-aarch64", arm])
