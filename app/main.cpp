@@ -18,10 +18,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_plan(app, context);
   add_cells(app, context);
   add_fetch(app, context);
-  add_synth(app, context);
-  add_train(app, context);
   add_segment(app, context);
-  add_forests(app, context);
   add_refine(app, context);
   add_elevate(app, context);
   add_network(app, context);
@@ -31,9 +28,9 @@ void add_commands(CLI::App& app, Context& context) {
   add_fmu(app, context);
   add_view(app, context);
   add_evaluate(app, context);
-  add_tune(app, context);
   add_version(app, context);
   add_help_files(app, context);
+  add_laboratory(app, context);
 }
 
 }  // namespace

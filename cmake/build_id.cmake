@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Writes OUT, a source that says which build it is of: the version, and a hash of all headers and the compiler. Libraries of
 # ours work together only where both are the same (core/load_part.hpp). Run as
-# cmake -D ROOT=.. -D VERSION=.. -D COMPILER=.. -D OUT=.. -P build_id.cmake
-file(GLOB_RECURSE HEADERS RELATIVE ${ROOT}/src ${ROOT}/src/*.hpp ${ROOT}/src/*.h ${ROOT}/src/*.inl)
+# cmake -D ROOT=.. -D LAB=ON -D VERSION=.. -D COMPILER=.. -D OUT=.. -P build_id.cmake
+file(GLOB_RECURSE HEADERS RELATIVE ${ROOT} ${ROOT}/src/*.hpp ${ROOT}/src/*.h ${ROOT}/src/*.inl)
+if(LAB)
+  file(GLOB_RECURSE OF_LAB RELATIVE ${ROOT} ${ROOT}/lab/*.hpp)
+  list(APPEND HEADERS ${OF_LAB})
+endif()
 list(SORT HEADERS)
 set(ALL ${COMPILER})
 foreach(HEADER ${HEADERS})
-  file(SHA256 ${ROOT}/src/${HEADER} HASH)
+  file(SHA256 ${ROOT}/${HEADER} HASH)
   string(APPEND ALL "${HEADER} ${HASH}\n")
 endforeach()
 string(SHA256 HASH "${ALL}")

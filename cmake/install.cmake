@@ -2,11 +2,14 @@
 # `cmake --install build/release --prefix P`. The tree may be moved afterwards: the tool looks for models, viewer and the
 # libraries of FMUs relative to itself (core/find_resource.hpp), so bin, share and lib/orthodrive have fixed names. Below
 # /usr the road library goes where the distribution keeps libraries (lib/x86_64-linux-gnu of Debian).
-# Components: orthodrive (the tool), orthodrive-parts (what needs libtorch or OpenCV, where it is built), libroadquery (what
+# Components: orthodrive (the tool), orthodrive-lab (the laboratory), orthodrive-parts (what needs libtorch or OpenCV, where it is built), libroadquery (what
 # programs load), libroadquery-dev (what they are built with).
 include(GNUInstallDirs)
 install(TARGETS orthodrive RUNTIME DESTINATION bin COMPONENT orthodrive)
 install(TARGETS orthodrive_library orthodrive_core_library LIBRARY DESTINATION lib/orthodrive COMPONENT orthodrive)
+if(ORTHODRIVE_LAB)
+  install(TARGETS orthodrive_lab_library LIBRARY DESTINATION lib/orthodrive COMPONENT orthodrive-lab)
+endif()
 foreach(PART forests train)
   if(TARGET orthodrive_${PART}_so)
     install(TARGETS orthodrive_${PART}_so LIBRARY DESTINATION lib/orthodrive/parts COMPONENT orthodrive-parts)

@@ -11,7 +11,7 @@ set(CPACK_PACKAGE_VERSION ${ORTHODRIVE_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT ${ORTHODRIVE_MAINTAINER})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL orthodrive orthodrive-parts libroadquery libroadquery-dev)
+set(CPACK_COMPONENTS_ALL orthodrive orthodrive-lab orthodrive-parts libroadquery libroadquery-dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -25,7 +25,7 @@ set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_NAME orthodrive)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_DEPENDS proj-data)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_RECOMMENDS ca-certificates)
-set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SUGGESTS "orthodrive-parts, qgis, xdg-utils")
+set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SUGGESTS "orthodrive-lab, orthodrive-parts, qgis, xdg-utils")
 set(CPACK_COMPONENT_ORTHODRIVE_DESCRIPTION "turns orthophotos and OpenStreetMap into drivable environments
 Makes a semantic map, road centre lines and widths corrected from the photo,
 smooth 3D roads, OpenDRIVE and OpenCRG for simulators, 3D Tiles for the eye,
@@ -33,12 +33,21 @@ and a simulated lap from an orthophoto, OpenStreetMap roads and a terrain
 model. Holds the tool, its model, a viewer for the browser and functional
 mock-up units (FMI 2.0 and 3.0) of roads and of a car.")
 
+set(CPACK_DEBIAN_ORTHODRIVE-LAB_PACKAGE_NAME orthodrive-lab)
+set(CPACK_DEBIAN_ORTHODRIVE-LAB_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_ORTHODRIVE-LAB_PACKAGE_DEPENDS "orthodrive (= ${CPACK_PACKAGE_VERSION})")
+set(CPACK_COMPONENT_ORTHODRIVE-LAB_DESCRIPTION "turns orthophotos into drivable environments - laboratory
+What orthodrive is judged and tuned with: synthetic sites with exact truth,
+weights of the refinement searched on sites with truth, and published methods
+for roads and heights to compare with. Adds commands and methods to
+orthodrive.")
+
 if(NOT (TARGET orthodrive_forests_so AND TARGET orthodrive_train_so))
   message(FATAL_ERROR "packages: the parts are not built, tools/setup --parts brings what they need")
 endif()
 set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_NAME orthodrive-parts)
 set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_DEPENDS "orthodrive (= ${CPACK_PACKAGE_VERSION})")
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_DEPENDS "orthodrive-lab (= ${CPACK_PACKAGE_VERSION})")
 # Version 0.1.0 of orthodrive had orthodrive-train in it.
 set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_REPLACES "orthodrive (<< ${CPACK_PACKAGE_VERSION})")
 set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_BREAKS "orthodrive (<< ${CPACK_PACKAGE_VERSION})")
@@ -71,7 +80,7 @@ Headers, the static library for C++, and what pkg-config and CMake look for.")
 
 # What Debian wants beside: copyright, changelog, and reasons for what lintian would ask about.
 string(TIMESTAMP RELEASE_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)  # follows SOURCE_DATE_EPOCH
-foreach(PAIR orthodrive:orthodrive orthodrive-parts:orthodrive-parts libroadquery:${LIBRARY_PACKAGE} libroadquery-dev:libroadquery-dev)
+foreach(PAIR orthodrive:orthodrive orthodrive-lab:orthodrive-lab orthodrive-parts:orthodrive-parts libroadquery:${LIBRARY_PACKAGE} libroadquery-dev:libroadquery-dev)
   string(REPLACE ":" ";" PAIR ${PAIR})
   list(GET PAIR 0 COMPONENT)
   list(GET PAIR 1 NAME)

@@ -3,7 +3,7 @@
 # own, and what lies in the room itself includes all (tests/includes). DEPS are other rooms, LIBS are third-party targets
 # that stay private (they do not leak into who links us). PART_SOURCES lie in the folder and belong to the part PART of
 # orthodrive_part() instead. APART are files that alone need APART_FLAGS and APART_LIBS. A COLD room takes little of the time of a
-# build of a site: it is compiled in three quarters of the time.
+# build of a site: it is compiled in three quarters of the time. Rooms of the laboratory (lab/orthodrive) lie in its library.
 set(ORTHODRIVE_COLD $<$<CONFIG:Release>:-O1>)
 set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
@@ -21,6 +21,12 @@ function(orthodrive_library NAME)
   list(FILTER SOURCES EXCLUDE REGEX "/part_[a-z]+\\.cpp$")  # the table of a part
   set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_PART_SOURCES_${A_PART} ${A_PART_SOURCES})
   set(TARGET orthodrive_${NAME})
+  set(INCLUDES ${PROJECT_SOURCE_DIR}/src)
+  set(LIBRARY ORTHODRIVE)
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/lab/")
+    list(APPEND INCLUDES ${PROJECT_SOURCE_DIR}/lab)
+    set(LIBRARY ORTHODRIVE_LAB)
+  endif()
   list(TRANSFORM A_DEPS PREPEND orthodrive::)
   if(SOURCES)
     set(FLAGS ${ORTHODRIVE_WARNINGS})
@@ -28,13 +34,13 @@ function(orthodrive_library NAME)
       list(APPEND FLAGS ${ORTHODRIVE_COLD})
     endif()
     add_library(${TARGET} STATIC ${SOURCES})
-    target_include_directories(${TARGET} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+    target_include_directories(${TARGET} PUBLIC ${INCLUDES})
     target_compile_options(${TARGET} PRIVATE ${FLAGS})
     target_link_libraries(${TARGET} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS} $<LINK_ONLY:${A_APART_LIBS}>)
     set(OBJECTS $<TARGET_OBJECTS:${TARGET}>)
     if(A_APART)
       add_library(${TARGET}_apart OBJECT ${A_APART})
-      target_include_directories(${TARGET}_apart PRIVATE ${PROJECT_SOURCE_DIR}/src)
+      target_include_directories(${TARGET}_apart PRIVATE ${INCLUDES})
       target_compile_options(${TARGET}_apart PRIVATE ${FLAGS} ${A_APART_FLAGS})
       target_link_libraries(${TARGET}_apart PRIVATE ${A_DEPS} ${A_LIBS} ${A_APART_LIBS})
       target_sources(${TARGET} PRIVATE $<TARGET_OBJECTS:${TARGET}_apart>)
@@ -44,15 +50,15 @@ function(orthodrive_library NAME)
       target_precompile_headers(${TARGET} PRIVATE <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional>
         <set> <span> <string> <vector> <fmt/format.h>)
     else()  # core is a library of its own
-      set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_OBJECTS ${OBJECTS})
-      set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_LIBS ${A_LIBS} ${A_APART_LIBS})
+      set_property(GLOBAL APPEND PROPERTY ${LIBRARY}_OBJECTS ${OBJECTS})
+      set_property(GLOBAL APPEND PROPERTY ${LIBRARY}_LIBS ${A_LIBS} ${A_APART_LIBS})
       if(A_COLD)  # g++ 12 reads a header of -O1 into a file of -O3 without a word, and crashes
         target_precompile_headers(${TARGET} REUSE_FROM orthodrive_core)
       endif()
     endif()
   else()
     add_library(${TARGET} INTERFACE)
-    target_include_directories(${TARGET} INTERFACE ${PROJECT_SOURCE_DIR}/src)
+    target_include_directories(${TARGET} INTERFACE ${INCLUDES})
     target_link_libraries(${TARGET} INTERFACE ${A_DEPS} ${A_LIBS})
   endif()
   add_library(orthodrive::${NAME} ALIAS ${TARGET})
@@ -69,7 +75,7 @@ function(orthodrive_shared_library TARGET KIND NAME FOLDER)
 endfunction()
 
 # A part of the tool that a command loads when it needs it: lib/orthodrive/parts/NAME.so, of what the rooms have given to it and
-# its table, pipeline/commands/part_NAME.cpp. orthodrive::part_NAME is the same without the table for programs that link the rooms, such as
+# its table, lab/orthodrive/lab/commands/part_NAME.cpp. orthodrive::part_NAME is the same without the table for programs that link the rooms, such as
 # tests. DEPS and LIBS as above.
 function(orthodrive_part NAME)
   cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
@@ -77,14 +83,14 @@ function(orthodrive_part NAME)
   list(TRANSFORM A_DEPS PREPEND orthodrive::)
   add_library(orthodrive_part_${NAME} STATIC ${SOURCES})
   add_library(orthodrive::part_${NAME} ALIAS orthodrive_part_${NAME})
-  target_include_directories(orthodrive_part_${NAME} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(orthodrive_part_${NAME} PUBLIC ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/lab)
   target_compile_options(orthodrive_part_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
   target_link_libraries(orthodrive_part_${NAME} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
   orthodrive_shared_library(orthodrive_${NAME}_so MODULE ${NAME} parts $<TARGET_OBJECTS:orthodrive_part_${NAME}>
-    ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/commands/part_${NAME}.cpp)
-  target_include_directories(orthodrive_${NAME}_so PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    ${PROJECT_SOURCE_DIR}/lab/orthodrive/lab/commands/part_${NAME}.cpp)
+  target_include_directories(orthodrive_${NAME}_so PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/lab)
   target_compile_options(orthodrive_${NAME}_so PRIVATE ${ORTHODRIVE_WARNINGS})
-  target_link_libraries(orthodrive_${NAME}_so PRIVATE orthodrive_library orthodrive_core_library ${A_LIBS})
+  target_link_libraries(orthodrive_${NAME}_so PRIVATE orthodrive_lab_library orthodrive_library orthodrive_core_library ${A_LIBS})
   add_dependencies(orthodrive_parts orthodrive_${NAME}_so)
 endfunction()
 

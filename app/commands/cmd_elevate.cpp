@@ -6,8 +6,6 @@
 #include "choice_option.hpp"
 #include "commands.hpp"
 #include "driving_side_option.hpp"
-#include "idle_options.hpp"
-#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -15,38 +13,7 @@ namespace {
 struct ElevateCommand {
   ElevateFiles files;
   RunElevateOptions options;
-  IdleOptions idle;
 };
-
-/// `log`, `control_points`: options that some methods read.
-void add_methods(CLI::App& cmd, ElevateCommand& command, CLI::Option* log, CLI::Option* control_points) {
-  ElevateOptions& o = command.options.elevate.heights;
-  IdleOptions& idle = command.idle;
-  add_choice<HeightSampling>(cmd, "--sampling", o.sampling,
-                             {{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}},
-                             "how heights are taken between the terrain's pixels");
-  CLI::Option* method = add_choice<HeightMethod>(
-      cmd, "--method", o.method,
-      {{"default", HeightMethod::network},
-       {"reference", HeightMethod::reference},
-       {"moving-average", HeightMethod::moving_average}},
-      "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
-      "optimisation, way by way; moving-average: of the terrain along each way");
-  idle.read_for(cmd.add_option("--window", o.window, "of moving-average: samples, odd; 1 is the terrain as sampled")
-                    ->check(CLI::PositiveNumber)
-                    ->capture_default_str(),
-                method, {"moving-average"});
-  idle.read_for(cmd.add_option("--loss", o.loss_m, "of reference: scale of its Cauchy loss, m")
-                    ->check(CLI::PositiveNumber)
-                    ->capture_default_str(),
-                method, {"reference"});
-  idle.read_for(control_points, method, {"default"});
-  idle.read_for(cmd.add_option("--clearance", o.clearance_m,
-                               "of default, and of logs: least height of a bridge over the road below, m")
-                    ->check(CLI::NonNegativeNumber)
-                    ->capture_default_str(),
-                method, {"default"}, {log});
-}
 }  // namespace
 
 void add_elevate(CLI::App& app, Context& context) {
@@ -56,21 +23,26 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--roads", files.roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", files.dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")
       ->required();
-  CLI::Option* log = cmd->add_option(
+  cmd->add_option(
       "--log", files.drive_logs,
       "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
-  CLI::Option* control_points = cmd->add_option(
-      "--control-points", files.control_points,
-      "of default: known heights of roads and clearances of decks (points of GeoJSON or GeoPackage); may be repeated");
+  cmd->add_option("--control-points", files.control_points,
+                  "known heights of roads and clearances of decks (points of GeoJSON or GeoPackage); may be repeated");
   cmd->add_option("-o,--output", files.elevated, "roads with heights (GeoPackage); may be the input")->required();
   cmd->add_option("--findings", files.findings, "also write what was odd, as GeoJSON points");
-  add_methods(*cmd, *command, log, control_points);
+  ElevateOptions& o = command->options.elevate.heights;
+  add_choice<HeightSampling>(*cmd, "--sampling", o.sampling,
+                             {{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}},
+                             "how heights are taken between the terrain's pixels");
+  cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   add_driving_side(cmd, command->options.driving_side,
                    "right, left: one-way roads fall to that edge where nothing is measured");
   cmd->footer(
       "Reads roads, terrain, control points and drive logs if there are any; writes the roads with z, gradient, "
       "banking and\n"
-      "crown and their standard deviations (of z: default method only). Banking and crown are measured where terrain "
+      "crown and their standard deviations. Banking and crown are measured where terrain "
       "of 2 m or\n"
       "finer shows them, else taken from design rules (banking_source). Where a log was driven: banking with the "
       "source 'log'\n"
@@ -81,14 +53,12 @@ void add_elevate(CLI::App& app, Context& context) {
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o "
       "roads_3d.gpkg\n"
-      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --control-points heights.geojson -o roads_3d.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o "
       "roads_3d.gpkg");
   cmd->callback([command, &context] {
-    command->idle.refuse();
     StageContext stage = stage_context(context);
-    print_outcome(runs().run_elevate(command->files, command->options, stage), stage);
+    print_outcome(context.run_elevate(command->files, command->options, stage), stage);
   });
 }
 

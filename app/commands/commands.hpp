@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "load_runs.hpp"
 #include "orthodrive/core/monitor.hpp"
 
 namespace orthodrive::app {
@@ -17,12 +18,14 @@ struct Context {
   int exit_code = 0;
   std::function<void(const std::string& stage)> set_stage;  ///< tells the monitor which stage runs
   std::function<void(const char* text)> last_words;         ///< on stderr, whatever --quiet says
+  /// Of liborthodrive.so, unless the laboratory has put its own here, which know more methods.
+  std::function<StageOutcome(const RefineFiles&, const RunRefineOptions&, StageContext&)> run_refine =
+      [](const auto& files, const auto& options, auto& stage) { return runs().run_refine(files, options, stage); };
+  std::function<StageOutcome(const ElevateFiles&, const RunElevateOptions&, StageContext&)> run_elevate =
+      [](const auto& files, const auto& options, auto& stage) { return runs().run_elevate(files, options, stage); };
 };
 
-void add_synth(CLI::App& app, Context& context);
-void add_train(CLI::App& app, Context& context);
 void add_segment(CLI::App& app, Context& context);
-void add_forests(CLI::App& app, Context& context);
 void add_refine(CLI::App& app, Context& context);
 void add_elevate(CLI::App& app, Context& context);
 void add_network(CLI::App& app, Context& context);
@@ -37,8 +40,9 @@ void add_plan(CLI::App& app, Context& context);
 void add_cells(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
-void add_tune(CLI::App& app, Context& context);
 void add_version(CLI::App& app, Context& context);
 void add_help_files(CLI::App& app, Context& context);
+/// The commands of the laboratory, and what it adds to those above: comes after them. Nothing in a build without it.
+void add_laboratory(CLI::App& app, Context& context);
 
 }  // namespace orthodrive::app

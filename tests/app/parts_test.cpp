@@ -68,7 +68,8 @@ class WithoutParts : public testing::Test {
   void SetUp() override {
     fs::create_directories(lib / "parts");
     fs::copy_file(paths::tool, tool);
-    for (const char* file : {"liborthodrive.so", "liborthodrive-core.so"}) fs::create_symlink(built / file, lib / file);
+    for (const char* file : {"liborthodrive.so", "liborthodrive-core.so", "liborthodrive-lab.so"})
+      fs::create_symlink(built / file, lib / file);
     write_experiment(scratch / "experiment.toml");
   }
   void expect_line(const Arguments& arguments, const std::string& part, const std::string& package,
@@ -94,6 +95,17 @@ TEST_F(WithoutParts, a_missing_part_is_named_with_its_package) {
   const ToolRun version = run_program({tool, "version"});
   EXPECT_EQ(version.exit_code, 0) << version.err;
   EXPECT_THAT(version.out, HasSubstr("none (Debian package orthodrive-parts)"));
+}
+
+TEST_F(WithoutParts, the_laboratory_is_named_with_its_package_and_the_product_does_without) {
+  fs::remove(lib / "liborthodrive-lab.so");
+  for (const Arguments& command : {Arguments{"synth", "-o", scratch / "site"}, train, forests})
+    expect_line(command, "liborthodrive-lab.so", "orthodrive-lab", "there is no");
+  expect_line({"refine", "--method", "none", "--osm", "a.osm", "--labels", "l.tif", "-o", "r.gpkg"},
+              "liborthodrive-lab.so", "orthodrive-lab", "there is no");
+  const ToolRun refine =
+      run_program({tool, "--quiet", "refine", "--osm", "a.osm", "--labels", "l.tif", "-o", "r.gpkg"});
+  EXPECT_THAT(refine.err, AllOf(HasSubstr("l.tif"), Not(HasSubstr("laboratory"))));
 }
 
 TEST_F(WithoutParts, a_part_of_another_version_is_not_loaded) {

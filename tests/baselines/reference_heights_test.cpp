@@ -49,7 +49,7 @@ TEST(ReferenceHeights, are_a_minimum_of_the_published_energy) {
   std::vector<double> terrain;
   terrain.reserve(40);
   for (int i = 0; i < 40; ++i) terrain.push_back(50.0 + 0.5 * std::sin(0.4 * i) + (i == 20 ? 4.0 : 0.0));
-  const ReferenceHeights result = reference_heights(straight_way(40), {terrain}, {.max_iterations = 100});
+  const SolvedHeights result = reference_heights(straight_way(40), {terrain}, {.max_iterations = 100});
   EXPECT_TRUE(result.solve.converged);
   const std::vector<double>& z = result.z_m[0];
   const double least = energy(z, terrain);
@@ -69,9 +69,9 @@ TEST(ReferenceHeights, ways_share_nothing_and_flat_terrain_stays) {
   const std::vector<double> flat(10, 7.0);
   std::vector<double> hill = flat;
   hill[5] = 9.0;
-  const ReferenceHeights both = reference_heights(roads, {flat, hill});
+  const SolvedHeights both = reference_heights(roads, {flat, hill});
   EXPECT_THAT(both.z_m[0], testing::Each(testing::DoubleNear(7.0, 1e-9)));
-  const ReferenceHeights alone = reference_heights(straight_way(10), {hill});
+  const SolvedHeights alone = reference_heights(straight_way(10), {hill});
   EXPECT_THAT(both.z_m[1], testing::Pointwise(testing::DoubleNear(1e-4), alone.z_m[0]));
 }
 

@@ -64,7 +64,21 @@ NOTES_IN_MEASURED = [
     "what mended it",
     "why numbers are missed",
 ]
-TOP = {"app", "bench", "catalogue", "cmake", "docs", "examples", "models", "sites", "src", "tests", "tools", "viewer"}
+TOP = {
+    "app",
+    "bench",
+    "catalogue",
+    "cmake",
+    "docs",
+    "examples",
+    "lab",
+    "models",
+    "sites",
+    "src",
+    "tests",
+    "tools",
+    "viewer",
+}
 SUFFIXES = ["", ".hpp", ".cpp", ".h", ".inl", ".toml", ".md", ".py", ".mjs"]
 # What a build or a synthetic site leaves behind; some folders have the names of rooms.
 OUTPUTS = {"scene/tileset.json", "scene/*.glb", "drive/lap.csv", "drive/report.html", "crf/..."}
@@ -72,7 +86,8 @@ OUTPUTS = {"scene/tileset.json", "scene/*.glb", "drive/lap.csv", "drive/report.h
 
 def rooms(root):
     """Folders whose names begin a path in the pages: refine -> src/orthodrive/refine."""
-    found = {p.name: p for p in (root / "src/orthodrive").iterdir() if p.is_dir()}
+    bases = [root / "src/orthodrive", root / "lab/orthodrive"]
+    found = {p.name: p for base in bases if base.is_dir() for p in base.iterdir() if p.is_dir()}
     found["roadquery"] = root / "src/roadquery"
     found["vehicle"] = root / "src/vehicle"
     found["fmu"] = root / "src/fmu"
@@ -88,8 +103,10 @@ def path_exists(root, room_of, text):
     first = text.split("/")[0]
     if text in OUTPUTS or "/" not in text or text.endswith("/") or "<" in text or "*" in text:
         return None
-    if first in TOP:
-        return exists(root / text)
+    if first in TOP and exists(root / text):
+        return True
+    if first in TOP and first not in room_of:
+        return False
     if first in room_of:
         return exists(room_of[first] / text.split("/", 1)[1])
     return None
@@ -116,7 +133,7 @@ def check_paths(root, pages, faults):
 
 
 def check_pages_named_in_code(root, faults):
-    code = ["src", "app", "tests", "tools", "bench", "examples", "cmake"]
+    code = ["src", "lab", "app", "tests", "tools", "bench", "examples", "cmake"]
     for file in [p for top in code for p in (root / top).rglob("*")]:
         if not file.is_file() or file.suffix in {".md", ".png", ".csv"} or file.parent == root / "tests/docs":
             continue
@@ -337,7 +354,7 @@ def number_of(text):
 def check_options(root, faults):
     """Tables under "## Options" whose header begins with "name": the names are members of structs. Where a row has as
     many defaults as names, numbers are compared; other texts are not."""
-    text = "\n".join(p.read_text() for p in (root / "src").rglob("*.hpp"))
+    text = "\n".join(p.read_text() for top in ("src", "lab") for p in (root / top).rglob("*.hpp"))
     members = set(re.findall(r"\w+", text))
     defaults = {}
     for name, value in re.findall(r"\b(\w+) = ([-+0-9.e]+)[,;]", text):

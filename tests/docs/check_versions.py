@@ -99,7 +99,7 @@ if __name__ == "__main__":
     listed = subprocess.run(["git", "-C", source, "ls-files"], capture_output=True, text=True, check=False)
     files = listed.stdout.split() or [
         p.relative_to(source).as_posix()
-        for top in ("app", "cmake", "docs", "src", "tests", "tools", "viewer/src")
+        for top in ("app", "cmake", "docs", "lab", "src", "tests", "tools", "viewer/src")
         for p in (source / top).rglob("*")
     ]
     found = check(source, files)

@@ -107,8 +107,8 @@ TEST_F(Hollow, a_point_beside_the_road_is_left_out) {
   }
 }
 
-TEST_F(Hollow, the_baselines_refuse_control_points) {
-  ElevateOptions options{.method = HeightMethod::reference};
+TEST_F(Hollow, other_methods_refuse_control_points) {
+  ElevateOptions options{.instead = [](const RoadNetwork&, const NodeHeights& z_m) { return SolvedHeights{z_m}; }};
   options.control_points = {{.p = {150, 0}, .z_m = 103.0}};
   EXPECT_THROW((void)estimate_profiles(roads, {dtm}, options), OptionError);
 }

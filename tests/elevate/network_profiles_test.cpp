@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 
+#include "orthodrive/baselines/reference_heights.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/elevate/profiles/estimate_profiles.hpp"
@@ -262,14 +263,20 @@ TEST(NetworkProfiles, a_road_that_leaves_the_terrain_runs_out_and_feet_are_notic
   EXPECT_EQ(as_given(300.0), 1) << "heights of no place on earth";
 }
 
-// ---- the reference's methods
+// ---- the reference's methods, in place of the network's
+
+SolvedHeights by_reference(const RoadNetwork& roads, const NodeHeights& terrain_m) {
+  return reference_heights(roads, terrain_m);
+}
 
 TEST(ReferenceMethods, moving_averages_keep_lines_and_shorten_at_the_ends) {
   const Hills spike = [](double x, double) { return std::abs(x - 100.0) < 1.0 ? 11.0 : 0.0; };
   const auto heights = [&](int window) {
     return estimate_profiles(
         network_of({network_path(1, {0, 0.5}, {200, 0.5})}), {network_dtm(spike, 1.0)},
-        {.method = HeightMethod::moving_average, .sampling = HeightSampling::bilinear, .window = window});
+        {.sampling = HeightSampling::bilinear, .instead = [window](const RoadNetwork& roads, const NodeHeights& z_m) {
+           return SolvedHeights{.z_m = moving_average(roads, z_m, window)};
+         }});
   };
   const double raw = heights(1).roads.paths[0].nodes[50].z_m;
   EXPECT_GT(raw, 5.0);
@@ -299,7 +306,7 @@ TEST(ReferenceMethods, the_optimisation_ends_in_a_minimum_of_the_published_cost)
   const Hills rough = [](double x, double y) { return 20.0 + 2.0 * std::sin(x / 15.0) + 0.5 * std::sin(3.0 * x + y); };
   const HeightGrid dtm = network_dtm(rough, 2.0);
   const RoadPath path = network_path(1, {0, 10}, {120, 14});
-  const auto result = estimate_profiles(network_of({path}), {dtm}, {.method = HeightMethod::reference});
+  const auto result = estimate_profiles(network_of({path}), {dtm}, {.instead = by_reference});
   ASSERT_TRUE(result.solve.converged);
   std::vector<double> z, terrain;
   for (std::size_t n = 0; n < path.nodes.size(); ++n) {
@@ -317,8 +324,7 @@ TEST(ReferenceMethods, the_optimisation_ends_in_a_minimum_of_the_published_cost)
 }
 
 TEST(ReferenceMethods, ways_do_not_share_heights) {
-  const auto result =
-      estimate_profiles(crossing_roads(), {network_dtm(ridge, 2.0)}, {.method = HeightMethod::reference});
+  const auto result = estimate_profiles(crossing_roads(), {network_dtm(ridge, 2.0)}, {.instead = by_reference});
   EXPECT_NE(result.roads.paths[0].nodes.back().z_m, result.roads.paths[2].nodes.back().z_m);
   EXPECT_EQ(result.roads.paths[0].nodes.front().sigma_z_m, 0.0);
 }

@@ -5,8 +5,8 @@ one.
 
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
-A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
-its DEPS; this script reads them and asks eight things:
+A room is a folder of src/ or of lab/ with a target. What it may include stands in the DEPS of its
+CMakeLists.txt, and in those of its DEPS; this script reads them and asks nine things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
@@ -17,6 +17,7 @@ its DEPS; this script reads them and asks eight things:
    before it; what lies in the room itself includes all of them, and is included by none.
 7. A name of a file stands in one folder: who looks for it finds one place.
 8. A folder has at most 40 files: a larger one gets folders of its own.
+9. No room of src/ knows one of the laboratory (lab/), nor does the command line outside of lab/app.
 """
 
 import collections
@@ -26,7 +27,7 @@ import sys
 
 STAGES = {"segment", "refine", "elevate", "network", "scene", "drive", "synth", "evaluate"}
 # Rooms that read and write; roadquery, vehicle and fmu read the files they work on, and ship alone.
-FILE_ROOMS = {"io", "remote", "pipeline", "app", "roadquery", "vehicle", "fmu"}
+FILE_ROOMS = {"io", "remote", "pipeline", "lab", "app", "roadquery", "vehicle", "fmu"}
 # core hashes files, writes them aside, looks for the models' folder, loads our libraries and asks the kernel for its
 # memory: for every room.
 FILE_ACCESS = {
@@ -47,6 +48,7 @@ THIRD_PARTY = {
     "io": {"fmt", "gdal", "ogr", "osmium", "nlohmann"},  # *_support.hpp: for the .cpp files of io
     "remote": {"curl", "sqlite3", "pugixml"},  # http_transfer, sqlite, xml_text: for the .cpp files of remote
     "pipeline": {"fmt", "nlohmann", "toml++"},  # run.json, site.toml
+    "lab": {"fmt", "nlohmann", "toml++"},  # experiments and their reports
     "report": {"nlohmann"},  # the record of a run, which the page shows
     "app": {"CLI", "fmt", "httplib", "posix"},
 }
@@ -79,10 +81,15 @@ def group_of(header):
     return header.split("/")[0].removesuffix(".h").removesuffix(".hpp")
 
 
+def rooms_of_ours(root):
+    """The CMakeLists.txt of each room of the product and of the laboratory."""
+    return sorted(file for base in ("src", "lab") for file in (root / base / "orthodrive").glob("*/CMakeLists.txt"))
+
+
 def read_arrows(root):
     """{room: rooms it links}: the DEPS of orthodrive_library, and what target_link_libraries adds of ours in PUBLIC."""
     arrows = {"roadquery": set(), "vehicle": {"roadquery"}, "fmu": {"vehicle", "roadquery"}}
-    for file in sorted((root / "src/orthodrive").glob("*/CMakeLists.txt")):
+    for file in rooms_of_ours(root):
         text = re.sub(r"#[^\n]*", "", file.read_text())
         for name, words in re.findall(r"orthodrive_library\((\w+)([^)]*)\)", text):
             deps, inside = set(), False
@@ -107,7 +114,7 @@ def read_folders(root):
     for file in sorted((root / "src").glob("*/CMakeLists.txt")):
         for words in re.findall(r"set\(FOLDERS ([a-z ]+)\)", file.read_text()):
             folders[file.parent.name] = words.split()
-    for file in sorted((root / "src/orthodrive").glob("*/CMakeLists.txt")):
+    for file in rooms_of_ours(root):
         for name, words in re.findall(r"orthodrive_library\((\w+)(?: COLD)? FOLDERS ([a-z ]+)", file.read_text()):
             folders[name] = words.split()
     return folders
@@ -173,17 +180,16 @@ def check_file(name, text, reach, known, folders):
             target = next((place for place in places if place in known), beside)
             if target not in known:
                 if not re.search(r"\.pb\.h$", quoted):
-                    wrong.append(f"includes {quoted}, which is not in src/ or app/")
+                    wrong.append(f"includes {quoted}, which is not in src/, lab/ or app/")
                 continue
             ours.add(target)
             if is_header and target.endswith(".inl") and not name.endswith(".inl"):
                 wrong.append(f"includes {quoted}: code for one family of processors goes into .cpp files only")
             other = room_of(target)
             if room == "app":
-                if other not in APP_ROOMS and target not in APP_HEADERS:
-                    wrong.append(
-                        f"includes {quoted}: the command line sees {', '.join(sorted(APP_ROOMS - {'app'}))} only"
-                    )
+                rooms = APP_ROOMS | ({"lab"} if name.startswith("app/lab/") else set())
+                if other not in rooms and target not in APP_HEADERS:
+                    wrong.append(f"includes {quoted}: the command line sees {', '.join(sorted(rooms - {'app'}))} only")
             elif other != room and other not in reach[room]:
                 wrong.append(f"includes {quoted}: no arrow leads from {room} to {other}")
             elif other == room and is_upward(name, target, folders):
@@ -213,6 +219,7 @@ def check_file(name, text, reach, known, folders):
 def check(root):
     arrows = read_arrows(root)
     reach = {room: reach_of(room, arrows) for room in arrows}
+    of_lab = {file.parent.name for file in rooms_of_ours(root) if root / "lab" in file.parents}
     findings = []
     for room in sorted(arrows):
         if room in reach[room]:
@@ -220,11 +227,21 @@ def check(root):
         if room in STAGES:
             for other in sorted(reach[room] & (STAGES | {"io"})):
                 findings.append(f"{room}: a stage reaches {other} by its DEPS")
+        if room not in of_lab:
+            for other in sorted(reach[room] & of_lab):
+                findings.append(f"{room}: a room of the product reaches {other} of the laboratory by its DEPS")
         for other in sorted(arrows[room] - arrows.keys()):
             findings.append(f"{room}: DEPS name {other}, which is no room")
     known = {}
-    for base, prefix in ((root / "src", ""), (root / "app", "app/")):
+    for base, prefix in (
+        (root / "src", ""),
+        (root / "lab", ""),
+        (root / "app", "app/"),
+        (root / "lab/app", "app/lab/"),
+    ):
         for file in sorted(base.rglob("*")):
+            if prefix == "" and base / "app" in file.parents:
+                continue  # lab/app is of the command line
             if file.suffix in (".cpp", ".hpp", ".h", ".inl", ".c"):
                 known[prefix + file.relative_to(base).as_posix()] = file.read_text()
     includes, folders = {}, read_folders(root)

@@ -39,6 +39,10 @@ GOOD = {
     "src/orthodrive/pipeline/stages/run_refine.hpp": '#include "orthodrive/pipeline/files/toml_section.hpp"\n',
     "src/orthodrive/pipeline/files/toml_section.hpp": "\n",
     "src/orthodrive/pipeline/runs.hpp": '#include "orthodrive/pipeline/stages/run_refine.hpp"\n',
+    "lab/orthodrive/lab/CMakeLists.txt": "orthodrive_library(lab FOLDERS commands DEPS pipeline)\n",
+    "lab/orthodrive/lab/commands/run_synth.hpp": '#include "orthodrive/pipeline/runs.hpp"\n',
+    "lab/app/cmd_synth.cpp": '#include "orthodrive/lab/commands/run_synth.hpp"\n#include "main.hpp"\n',
+    "app/main.hpp": "\n",
     "app/main.cpp": '#include "orthodrive/pipeline/stages/run_refine.hpp"\n',
 }
 
@@ -175,6 +179,27 @@ class Includes(unittest.TestCase):
     def test_a_name_in_two_folders(self):
         name = "src/orthodrive/network/refine_roads.cpp"
         self.expect(name, "\n", "refine_roads: stands in orthodrive/network and orthodrive/refine")
+
+    def test_the_product_knows_the_laboratory(self):
+        self.expect(
+            "src/orthodrive/refine/odd.cpp",
+            '#include "orthodrive/lab/commands/run_synth.hpp"\n',
+            "no arrow leads from refine to lab",
+        )
+        self.expect(
+            "src/orthodrive/refine/CMakeLists.txt",
+            "orthodrive_library(refine DEPS model attic)\n",
+            "DEPS name attic",
+        )
+        files = {
+            "lab/orthodrive/synth/CMakeLists.txt": "orthodrive_library(synth DEPS model)\n",
+            "src/orthodrive/io/CMakeLists.txt": "orthodrive_library(io FOLDERS support\n  DEPS synth)\n",
+        }
+        found = [f for f in self.findings(files=files) if f.startswith("io: ")]
+        self.assertEqual(found, ["io: a room of the product reaches synth of the laboratory by its DEPS"])
+        self.expect(
+            "app/cmd_odd.cpp", '#include "orthodrive/lab/commands/run_synth.hpp"\n', "cmd_odd.cpp", "the command line"
+        )
 
     def test_a_folder_without_a_target(self):
         self.expect("src/orthodrive/attic/odd.cpp", "\n", "no target attic")

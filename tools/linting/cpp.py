@@ -20,10 +20,11 @@ from .common import PEERS, ROOT, SkippedError, cpp_files, program
 LINT = ROOT / "build/lint"
 COMMANDS = ROOT / "build/release/compile_commands.json"
 FOR_CLANG = ROOT / "tools/linting/for_clang.hpp"
-INCLUDE_ROOTS = ["src", "tests", "app"]
+INCLUDE_ROOTS = ["src", "lab", "tests", "app", "lab/app"]
 # Of files that another build compiles (fuzzing, WebAssembly) or none.
 LIBRARIES = "-isystem /usr/include/gdal -isystem /usr/include/eigen3"
-PLAIN = f"c++ -std=c++20 -O3 -Wall -Wextra -I{{root}}/src -I{{root}}/tests {LIBRARIES} -c {{file}}"
+INCLUDES = " ".join(f"-I{{root}}/{folder}" for folder in ["src", "lab", "app", "tests"])
+PLAIN = f"c++ -std=c++20 -O3 -Wall -Wextra {INCLUDES} {LIBRARIES} -c {{file}}"
 # CGAL's headers hold templates that clang refuses and nobody instantiates: it reads only what is instantiated.
 FOR_CGAL = " -fdelayed-template-parsing"
 # clang-tidy looks for this file beside what it is given, which may be a unity source.

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each header of src compiles alone: `c++ -fsyntax-only` on it, with the folders of headers that the build uses.
+"""Each header of src and of lab/orthodrive compiles alone: `c++ -fsyntax-only` on it, with the folders of headers that
+the build uses.
 
 A header that another one includes first, before anything else, is proved by that one: it is read there as if alone.
 One that passed is not read again before it or a header of ours that it includes changes: stamps lie in
@@ -71,10 +72,15 @@ def those_that_reach(changed, names, texts):
 
 def check(root, build, work):
     """What the compiler says of each header that does not compile alone."""
-    src, stamps = root / "src", build / "headers"
+    bases, stamps = [root / "src", root / "lab"], build / "headers"
     stamps.mkdir(parents=True, exist_ok=True)
-    texts = {str(p.relative_to(src)): p.read_text() for p in src.rglob("*.h*") if p.suffix in (".hpp", ".h")}
-    command = [*flags_of(build), "-I", str(src), "-fsyntax-only", "-x", "c++", "-"]
+    texts = {
+        str(p.relative_to(base)): p.read_text()
+        for base in bases
+        for p in base.rglob("*.h*")
+        if p.suffix in (".hpp", ".h") and base / "app" not in p.parents
+    }
+    command = [*flags_of(build), *(f"-I{base}" for base in bases), "-fsyntax-only", "-x", "c++", "-"]
 
     def one(name):
         parts = sorted(reaches(name, texts, set()))
@@ -87,7 +93,9 @@ def check(root, build, work):
             return []
         return [f"{name} does not compile alone:", *run.stderr.splitlines()]
 
-    names = those_that_reach([n.removeprefix("src/") for n in work.headers], to_compile(texts), texts)
+    names = those_that_reach(
+        [n.removeprefix("src/").removeprefix("lab/") for n in work.headers], to_compile(texts), texts
+    )
     left = len(names) - (work.most or len(names))
     if left > 0:
         print(f"lint: SKIPPED {left} headers that include changed ones (tools/lint --all)", file=sys.stderr)

@@ -119,7 +119,7 @@ def stages():
 
 def solver():
     rate, momentum, decay = (
-        in_code("src/orthodrive/train/train_options.cpp", rf"\.{name} = ([-.\de]+),")
+        in_code("lab/orthodrive/train/train_options.cpp", rf"\.{name} = ([-.\de]+),")
         for name in ("learning_rate", "momentum", "weight_decay")
     )
     ours = f"{rate}; {momentum}; {float(decay):.4f}"
@@ -227,7 +227,7 @@ def inference():
         return by_site(lambda site: times(100, refined(site, method, "surface_iou")), 2)
 
     truth_km = by_site(lambda site: times(0.001, refined(site, "none", "truth_length_m")), 1)
-    angle = in_code("src/orthodrive/baselines/mrf_roads.hpp", r"no_overlap_angle_deg = ([.\d]+);")
+    angle = in_code("lab/orthodrive/baselines/mrf_roads.hpp", r"no_overlap_angle_deg = ([.\d]+);")
     return table(
         f"{BY_SITE}, [refine](measured/refine.md)",
         [
@@ -265,7 +265,7 @@ def table_3_4():
 
 
 def weights():
-    file, number = "src/orthodrive/baselines/nlo_roads.hpp", r"([-.\d]+)"
+    file, number = "lab/orthodrive/baselines/nlo_roads.hpp", r"([-.\d]+)"
     sets = [in_code(file, rf"nlo_set_{i}{{([^}}]+), \d+}}") for i in (1, 2)]
     costs = {
         c["name"]: f"{100 * c['cost_false_positive']:.1f}, {100 * c['cost_false_negative']:.1f}"
@@ -313,7 +313,7 @@ def run_time():
 
 
 def height_weights():
-    file = "src/orthodrive/baselines/reference_heights.cpp"
+    file = "lab/orthodrive/baselines/reference_heights.cpp"
     values = in_code(file, r"weight_gradient = ([.\d]+), weight_gradient_change = ([.\d]+), weight_height = ([.\d]+);")
     loss_m = in_code(file.replace(".cpp", ".hpp"), r"loss_m = ([.\d]+);")
     return table(
@@ -381,7 +381,7 @@ def scene_times():
 
 def example():
     crop, label = (
-        in_code("src/orthodrive/train/train_options.cpp", rf"\.{name}_px = (\d+),") for name in ("crop", "label")
+        in_code("lab/orthodrive/train/train_options.cpp", rf"\.{name}_px = (\d+),") for name in ("crop", "label")
     )
     margin = f"{(int(crop) - int(label)) // 2} in training; else the receptive field"
     rows = [("margin of a tile, px of its neighbours", "97", margin), *virtual_ring.published_rows()]

@@ -35,7 +35,7 @@ ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<Hei
                                  const ElevateRoadsOptions& options, Monitor* monitor) {
   EstimateProfilesResult profiles = estimate_profiles(roads, dtms, options.heights, monitor);
   BankingOptions of_banking = options.banking;
-  of_banking.in_junction_planes = options.heights.method == HeightMethod::network;
+  of_banking.in_junction_planes = !options.heights.instead;
   if (of_banking.in_junction_planes && shows_banking(dtms, options.banking)) {
     // The plane of a junction follows from the banking of the roads through it and the gradients of those that end
     // there. So measured banking enters the heights, and their junction planes the final banking.

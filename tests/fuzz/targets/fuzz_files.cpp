@@ -31,9 +31,9 @@
 #include "orthodrive/io/vector/sheet_index_reader.hpp"
 #include "orthodrive/io/vector/surroundings_reader.hpp"
 #include "orthodrive/io/vector/tree_reader.hpp"
+#include "orthodrive/lab/training/experiment.hpp"
 #include "orthodrive/model/rasters/class_table_json.hpp"
 #include "orthodrive/pipeline/sources/site.hpp"
-#include "orthodrive/pipeline/training/experiment.hpp"
 #include "orthodrive/synth/plan/track_table.hpp"
 
 namespace {

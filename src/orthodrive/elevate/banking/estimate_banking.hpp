@@ -21,7 +21,7 @@ struct BankingOptions {
   DrivingSide driving_side = DrivingSide::right;  ///< one-way carriageways fall to that side
   double terrain_sigma_m = 0.05;  ///< noise of a terrain pixel to begin with; the pixels of a road correct it
   /// Where roads meet, all of them lie in the plane of their gradients there, the most important one too: for heights
-  /// that were fitted with such planes (HeightMethod::network).
+  /// that were fitted with such planes.
   bool in_junction_planes = false;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };

@@ -9,7 +9,6 @@
 #include <map>
 #include <utility>
 
-#include "orthodrive/baselines/reference_heights.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/elevate/profiles/network_profiles.hpp"
 #include "orthodrive/elevate/terrain/grade_separations.hpp"
@@ -31,13 +30,8 @@ void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const 
     if (!(dtm.crs == roads.crs))
       throw OptionError(fmt::format("elevate: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
                                     dtm.crs.definition));
-  if (options.window < 1 || options.window % 2 == 0)
-    throw OptionError(
-        fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
-  if (options.method != HeightMethod::network && !options.control_points.empty())
+  if (options.instead && !options.control_points.empty())
     throw OptionError("elevate: height control points are the default method's; leave them out, or --method");
-  if (!(options.loss_m > 0.0))
-    throw OptionError(fmt::format("elevate: the loss of the reference is {} m, need more than 0", options.loss_m));
   if (options.max_iterations < 1) throw OptionError("elevate: need at least one iteration");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("elevate: way {} has fewer than two nodes", path.osm_id));
@@ -76,7 +70,7 @@ ProfileEnergy energy(const RoadNetwork& roads, const TerrainSamples& terrain, co
           nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
 }
 
-// ---- the reference's methods (baselines/reference_heights.hpp)
+// ---- methods to compare with
 
 /// Heights, and gradients between the middles of the segments at both sides (eq. 3.14 has one for each segment).
 void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
@@ -280,22 +274,13 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
   TerrainSamples terrain = sample_terrain(roads, dtms, options.sampling, options.threads);
   report_terrain(roads, terrain, result.findings);
   const NodeHeights as_sampled = start_heights(roads, terrain);
-  switch (options.method) {
-    case HeightMethod::network:
-      estimate_network(roads, terrain, options, monitor, result);
-      break;
-    case HeightMethod::reference: {
-      leave_out_structures(roads, {}, terrain);
-      const ReferenceHeights profiles = reference_heights(roads, as_sampled, {options.loss_m, options.max_iterations});
-      result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
-                      profiles.solve.cost_after};
-      write_way_profiles(profiles.z_m, result.roads);
-      break;
-    }
-    case HeightMethod::moving_average:
-      leave_out_structures(roads, {}, terrain);
-      write_way_profiles(moving_average(roads, as_sampled, options.window), result.roads);
-      break;
+  if (options.instead) {
+    leave_out_structures(roads, {}, terrain);
+    const SolvedHeights profiles = options.instead(roads, as_sampled);
+    result.solve = profiles.solve;
+    write_way_profiles(profiles.z_m, result.roads);
+  } else {
+    estimate_network(roads, terrain, options, monitor, result);
   }
   set_banking_source(result.roads);
   result.before = energy(roads, terrain, as_sampled);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Heights and gradients of road paths from terrain models: the whole network as smooth profiles (docs/elevate.md), and
-// the methods of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4, to compare with.
+// Heights and gradients of road paths from terrain models: all roads at once, as C2 profiles with tangent planes at
+// junctions, the limits of the road classes, and bridges (docs/elevate.md).
 
+#include <functional>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
@@ -10,26 +11,21 @@
 #include "orthodrive/model/rasters/rasters.hpp"
 #include "orthodrive/model/rasters/sample_height.hpp"
 #include "orthodrive/model/roads/height_control.hpp"
+#include "orthodrive/model/roads/node_heights.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/model/roads/solve_summary.hpp"
 
 namespace orthodrive {
 
-enum class HeightMethod {
-  network,         ///< all roads at once: C2 profiles, tangent planes at junctions, limits of the road class, bridges
-  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy loss
-  moving_average,  ///< way by way over `window` samples, as the reference's table 3.6; 1 is the terrain as sampled
-};
-
 struct ElevateOptions {
-  HeightMethod method = HeightMethod::network;
   HeightSampling sampling = HeightSampling::cubic;
-  int window = 35;           ///< samples of the moving average, odd
-  double loss_m = 0.5;       ///< scale of the reference's Cauchy loss (baselines/reference_heights.hpp)
   double clearance_m = 4.7;  ///< of a bridge's surface over the road below, of a road over a tunnel's surface
   int max_iterations = 50;   ///< of each solve
-  std::vector<HeightControlPoint> control_points;  ///< in the roads' CRS; network only (throws OptionError)
-  int threads = 0;                                 ///< 0 = all cores; the result does not depend on it
+  std::vector<HeightControlPoint> control_points;  ///< in the roads' CRS
+  /// Another method to compare with: heights of the roads from those of the terrain at their nodes. It knows neither
+  /// control points (throws OptionError) nor clearances.
+  std::function<SolvedHeights(const RoadNetwork& roads, const NodeHeights& terrain_m)> instead;
+  int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 /// Means over the nodes where the terrain is the road: it has a height there, and there is no bridge or tunnel.
@@ -39,13 +35,13 @@ struct ProfileEnergy {
 };
 
 struct EstimateProfilesResult {
-  RoadNetwork roads;  ///< z_m, gradient and (network only) sigma_z_m of every node; banking as it came
+  RoadNetwork roads;  ///< z_m, gradient and (not by `instead`) sigma_z_m of every node; banking as it came
   SolveSummary solve;
   ProfileEnergy before, after;  ///< of the sampled terrain and of the result
-  /// Robust standard deviation of the terrain models about the roads, as given; 0 where a model is not used. Network
-  /// only.
+  /// Robust standard deviation of the terrain models about the roads, as given; 0 where a model is not used. Empty
+  /// by `instead`.
   std::vector<double> terrain_sigma_m;
-  /// "elevate.no_terrain", "elevate.implausible_terrain", "elevate.not_converged"; of the network method also
+  /// "elevate.no_terrain", "elevate.implausible_terrain", "elevate.not_converged"; not by `instead` also
   /// "elevate.gradient_over_limit", "elevate.curvature_over_limit", "elevate.off_terrain", "elevate.low_clearance",
   /// "elevate.assumed_bridge", "elevate.missing_junction", "elevate.contradicting_tags", and those of control points
   /// (control_heights.hpp)

@@ -8,10 +8,6 @@
 #include "orthodrive/pipeline/build/plan_build.hpp"
 #include "orthodrive/pipeline/build/work_on_site.hpp"
 #include "orthodrive/pipeline/commands/run_fmu.hpp"
-#include "orthodrive/pipeline/commands/run_forests.hpp"
-#include "orthodrive/pipeline/commands/run_synth.hpp"
-#include "orthodrive/pipeline/commands/run_train.hpp"
-#include "orthodrive/pipeline/commands/run_tune.hpp"
 #include "orthodrive/pipeline/score/score.hpp"
 #include "orthodrive/pipeline/sources/run_fetch.hpp"
 #include "orthodrive/pipeline/sources/run_new.hpp"
@@ -41,9 +37,7 @@ struct Runs {
   decltype(&orthodrive::run_new) run_new;
   decltype(&orthodrive::run_fetch) run_fetch;
   decltype(&orthodrive::fetch_what_lacks) fetch_what_lacks;
-  decltype(&orthodrive::run_synth) run_synth;
   decltype(&orthodrive::run_segment) run_segment;
-  decltype(&orthodrive::run_forests) run_forests;
   decltype(&orthodrive::run_refine) run_refine;
   decltype(&orthodrive::run_elevate) run_elevate;
   decltype(&orthodrive::run_network) run_network;
@@ -52,12 +46,6 @@ struct Runs {
   decltype(&orthodrive::run_export) run_export;
   decltype(&orthodrive::run_drive) run_drive;
   decltype(&orthodrive::run_fmu) run_fmu;
-  decltype(&orthodrive::run_tune) run_tune;
-
-  decltype(&orthodrive::run_train) run_train;
-  decltype(&orthodrive::preview_training) preview_training;
-  decltype(&orthodrive::pack_training) pack_training;
-  decltype(&orthodrive::measure_on_held_out_data) measure_on_held_out_data;
 
   ScoreJson (*score_labels)(const ScoreRequest&, const LabelScoreOptions&);
   ScoreJson (*score_roads)(const ScoreRequest&, const RoadScoreOptions&);

@@ -6,7 +6,7 @@
 
 #include "orthodrive/io/vector/building_reader.hpp"
 #include "orthodrive/io/vector/surroundings_reader.hpp"
-#include "orthodrive/train/paint_labels.hpp"
+#include "orthodrive/segment/paint_labels.hpp"
 
 namespace orthodrive {
 namespace {

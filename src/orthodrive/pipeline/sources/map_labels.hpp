@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a site's map says of the classes of pixels: weak labels for train/adapt_model.
+// What a site's map says of the classes of pixels: weak labels for a network that adapts.
 
 #include "orthodrive/pipeline/sources/sources.hpp"
-#include "orthodrive/train/adapt_model.hpp"
+#include "orthodrive/segment/adapted_model.hpp"
 
 namespace orthodrive {
 

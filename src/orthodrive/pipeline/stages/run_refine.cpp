@@ -13,68 +13,45 @@
 #include "orthodrive/io/support/vector_io.hpp"
 #include "orthodrive/pipeline/files/refine_files.hpp"
 #include "orthodrive/pipeline/sources/catalogue.hpp"
-#include "orthodrive/pipeline/training/parts.hpp"
 #include "orthodrive/refine/kerb_radius.hpp"
 #include "orthodrive/refine/photo_surface.hpp"
-#include "orthodrive/roads/dense_nodes.hpp"
 #include "orthodrive/roads/sign_nodes.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
 
 namespace {
-constexpr double node_distance_m = 2.0;  // of unrefined roads, as the default method's
-
-void check_files(const RefineFiles& files, RefineMethod method) {
-  if (method != RefineMethod::mrf && files.labels.empty()) throw OptionError("refine: needs --labels");
-  if (method == RefineMethod::mrf && (files.photo.empty() || files.forests.empty()))
-    throw OptionError("refine: --method mrf needs --photo and --forests (`orthodrive forests` makes them)");
-}
-
 /// No method changes what the map tells of turns and of nodes.
 void keep_rules(const RoadNetwork& osm, RoadNetwork& refined) {
   refined.restrictions = osm.restrictions;
   keep_signs(osm, refined);
 }
 
-RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
-  const std::string text = io::read_file(files.forests);
-  const ForestsPart& part = forests_part();
-  const RoadForests forests = part.load_road_forests(text, files.forests.string());
-  const SiteFrame site = options.site ? *options.site : site_of_photos({files.photo});
-  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
-  const OsmRoads& osm = context.sources.osm(files.osm, site);
-  MrfRoadsOptions mrf = options.mrf;
-  mrf.threads = context.threads;
-  MrfRoadsResult result =
-      part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}), mrf, context.monitor);
-  keep_rules(osm.roads, result.roads);
-  Findings findings = osm.findings;
-  append(findings, result.findings);
-  return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};
-}
-
-RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
-  RefineRoadsOptions standard = options.standard;
+RefinedRoads refine_by_default(const OsmRoads& osm, const LabelMap& labels, const io::GpxTraces& gpx,
+                               const RefineFiles& files, const RefineRoadsOptions& options, StageContext& context) {
+  RefineRoadsOptions standard = options;
   standard.threads = context.threads;
   standard.exchange = context.exchange;
-  NloRoadsOptions nlo = options.nlo;
-  nlo.threads = context.threads;
   if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
-  const LabelMap labels = io::read_labels(files.labels);
-  const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
-  standard.driving_side = driving_side_in(options.driving_side, site.crs, bounds_of(site.area.outer));
+  return refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor, gpx.traces,
+                      files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
+}
+
+RefinedRoads refine_it(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  if (files.labels.empty() && !(options.other && options.site)) throw OptionError("refine: needs --labels");
+  std::optional<LabelMap> labels;
+  if (!files.labels.empty()) labels = io::read_labels(files.labels);
+  const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, *labels);
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
-  RefinedRoads result =
-      options.method == RefineMethod::none ? RefinedRoads{.roads = with_nodes_every(osm.roads, node_distance_m)}
-      : options.method == RefineMethod::nlo
-          ? refine_roads_nlo(osm.roads, labels, nlo, context.monitor)
-          : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
-                         gpx.traces,
-                         files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
-  classify_by_photo(result.roads, labels);
-  measure_kerb_radii(result.roads, labels);
+  RefineRoadsOptions standard = options.standard;
+  standard.driving_side = driving_side_in(options.driving_side, site.crs, bounds_of(site.area.outer));
+  RefinedRoads result = options.other ? options.other->refine(osm.roads, labels ? &*labels : nullptr, context)
+                                      : refine_by_default(osm, *labels, gpx, files, standard, context);
+  if (labels) {
+    classify_by_photo(result.roads, *labels);
+    measure_kerb_radii(result.roads, *labels);
+  }
   keep_rules(osm.roads, result.roads);
   Findings findings = osm.findings;
   append(findings, gpx.findings);
@@ -111,18 +88,16 @@ StageOutcome outcome_of(const RefinedRoads& refined, const RefineFiles& files) {
 }  // namespace
 
 StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
-  check_files(files, options.method);
-  RefinedRoads refined = options.method == RefineMethod::mrf ? refine_in_photo(files, options, context)
-                                                             : refine_in_labels(files, options, context);
+  RefinedRoads refined = refine_it(files, options, context);
   // The lines lie in the middle of the carriageways now, wherever the map has drawn them.
-  if (options.method != RefineMethod::none)
+  if (!options.other || options.other->moves)
     for (RoadPath& path : refined.roads.paths) path.placement = {};
   io::write_roads(files.roads, refined.roads);
   return outcome_of(refined, files);
 }
 
 void help_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
-  (void)refine_in_labels(files, options, context);
+  (void)refine_it(files, options, context);
 }
 
 BuildStage refine_stage(SiteBuild& build) {

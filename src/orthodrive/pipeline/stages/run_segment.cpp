@@ -9,7 +9,7 @@
 #include "orthodrive/io/raster/raster_io.hpp"
 #include "orthodrive/model/roads/map_lines.hpp"
 #include "orthodrive/pipeline/sources/map_labels.hpp"
-#include "orthodrive/pipeline/training/parts.hpp"
+#include "orthodrive/pipeline/stages/adapt_part.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -167,7 +167,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   SegmentInputs in(files, options, context);
   std::optional<AdaptReport> adaptation;
   if (options.adapt) {
-    const TrainPart& part = train_part();
+    const AdaptPart& part = adapt_part();
     const WeakLabels labels = map_labels(*in.roads, or_else(files.buildings, files.osm),
                                          or_else(files.surroundings, files.osm), in.site, in.model.classes);
     const AdaptedModel adapted = part.adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo,
@@ -241,7 +241,7 @@ BuildStage segment_stage(SiteBuild& build) {
                 for (const fs::path& photo : site.photos) (void)io::raster_info(photo);
                 const SegmentModel& model = build.context.sources.model(model_file);
                 (void)choose_crf(model, model_file, options, build.context);
-                if (site.adapt) train_part().require_adaptable(model, model_file.string());
+                if (site.adapt) adapt_part().require_adaptable(model, model_file.string());
               },
           .run = [=, &build] { return run_segment(files, options, build.context); },
           .help = help};
