@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "orthodrive/geo/roundness.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 
 namespace orthodrive {
@@ -31,7 +32,7 @@ class RingSearch {
       for (const std::int64_t node : {path.nodes.front().osm_node, path.nodes.back().osm_node})
         if (path.roundabout && is_osm_node(node)) unite(i, tagged_at.try_emplace(node, i).first->second);
       lengths_m_.push_back(length_m(centerline(path)));
-      const bool may_be_part = path.oneway == Oneway::forward && path.highway != "raceway" && !path.tunnel &&
+      const bool may_be_part = path.oneway == Oneway::forward && !is_raceway(path.highway) && !path.tunnel &&
                                is_osm_node(path.nodes.front().osm_node) && is_osm_node(path.nodes.back().osm_node) &&
                                lengths_m_.back() <= most_round_m;
       if (may_be_part) from_[path.nodes.front().osm_node].push_back(i);

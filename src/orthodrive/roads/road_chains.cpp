@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_crossings.hpp"
 #include "orthodrive/roads/path_links.hpp"
@@ -28,7 +29,7 @@ Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double a
 /// with or without shoulders, and rings.
 bool is_of_any_width(const RoadPath& path, bool on_ring) {
   if (on_ring || path.highway == "service" || path.highway == "track") return true;
-  return path.oneway == Oneway::forward && path.highway != "raceway" &&
+  return path.oneway == Oneway::forward && !is_raceway(path.highway) &&
          road_rank(path.highway) >= road_rank("tertiary_link");
 }
 

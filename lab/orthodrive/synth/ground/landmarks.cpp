@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/synth/plan/planner.hpp"
 #include "orthodrive/synth/plan/trackside.hpp"
 
@@ -143,7 +144,7 @@ class Landmarks {
 }  // namespace
 
 void add_landmarks(SitePlan& plan, std::uint64_t seed) {
-  if (plan.circuit && plan.roads[*plan.circuit].highway == "raceway") add_barriers(plan, *plan.circuit);
+  if (plan.circuit && is_raceway(plan.roads[*plan.circuit].highway)) add_barriers(plan, *plan.circuit);
   Landmarks(plan, seed).add_all();
 }
 

@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/synth/plan/planner.hpp"
 
 namespace orthodrive::synth {
@@ -169,7 +170,7 @@ class Placer {
     for (const Stretch& stretch : stretches_) {
       const PlannedRoad& road = plan_.roads[stretch.road];
       if (!is_fast(road) && !road.roundabout) place_roadside_trees(stretch);
-      if (road.highway != "raceway") place_traffic(stretch);
+      if (!is_raceway(road.highway)) place_traffic(stretch);
     }
   }
 

@@ -10,6 +10,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/math/normal_matrix.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 
 namespace orthodrive::synth {
 namespace {
@@ -155,7 +156,7 @@ KnotSystem make_knots(const SitePlan& plan) {
 
 /// How far a road irons out the terrain: a wavelength of 2 pi times this is halved.
 double stiffness_m(const SitePlan& plan, std::size_t road) {
-  const bool smooth = surface_priority(plan, road) >= 10 || plan.roads[road].highway == "raceway";
+  const bool smooth = surface_priority(plan, road) >= 10 || is_raceway(plan.roads[road].highway);
   return (plan.roads[road].highway == "motorway" ? 80.0
           : smooth                               ? 50.0
                                                  : 32.0) *

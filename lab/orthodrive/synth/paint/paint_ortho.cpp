@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/synth/paint/mood.hpp"
 #include "orthodrive/synth/paint/pavement.hpp"
 #include "orthodrive/synth/paint/photo_textures.hpp"
@@ -461,7 +462,7 @@ class Painter {
 
   /// Share of the pixel that is road paint.
   [[nodiscard]] float marking(const PlannedRoad& road, double s, double t, int col, int row) const {
-    const bool motorway = road.highway == "motorway", track = road.highway == "raceway",
+    const bool motorway = road.highway == "motorway", track = is_raceway(road.highway),
                link = road.highway == "motorway_link";
     if (road.highway != "secondary" && road.highway != "tertiary" && !motorway && !track && !link) return 0.0f;
     const bool junction = scene_.road_count.at(col, row) > 1;

@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/noise.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/synth/paint/world.hpp"
 
 namespace orthodrive::synth {
@@ -235,7 +236,7 @@ void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       const bool walk = highway == "residential" && !unpaved && source.plan.walk_to_m > 0.0;
       if (edge <= 0.0f)
         cover = Cover::road;
-      else if (highway == "raceway") {
+      else if (is_raceway(highway)) {
         if (edge < kerb_m && place.road == source.plan.circuit && std::abs(place.banking) > kerb_banking_rad &&
             scene.road_count.at(col, row) < 2)
           cover = Cover::kerb;

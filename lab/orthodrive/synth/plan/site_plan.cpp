@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
 #include "orthodrive/synth/plan/plan_presets.hpp"
 
@@ -111,7 +112,7 @@ bool on_bridge(const SitePlan& plan, std::size_t road, double s_m) {
 }
 
 bool is_fast(const PlannedRoad& road) {
-  return road.highway == "raceway" || road.highway == "motorway" || road.highway == "motorway_link";
+  return is_raceway(road.highway) || road.highway == "motorway" || road.highway == "motorway_link";
 }
 
 Ring rectangle(Vec2 center, double heading, double half_length, double half_width) {

@@ -16,6 +16,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/drive/routes/road_graph.hpp"
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/road_network.hpp"
 #include "roadquery/surface/road_surface.hpp"
 #include "roadquery/text/text.hpp"
@@ -342,7 +343,7 @@ Route find_route(const RoadMap& map, const RouteOptions& options) {
         graph, [&](const Road& road) { return ids.contains(road.id); }, detour_factor);
   } else {
     choice = along_wanted(
-        graph, [](const Road& road) { return road.highway == "raceway"; }, detour_factor);
+        graph, [](const Road& road) { return is_raceway(road.highway); }, detour_factor);
     if (!choice.closed) choice = best_loop(graph);
     if (!choice.closed) choice = best_open_way(graph);
   }

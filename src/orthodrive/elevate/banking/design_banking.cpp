@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/model/roads/design_limits.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 
 namespace orthodrive::elevate {
 namespace {
@@ -57,7 +58,7 @@ void limit_rate(std::vector<double>& values, const StationChain& chain, const st
 CurveRule curve_rule(const std::string& highway) {
   const DesignLimits limits = design_limits(highway);
   const double speed = limits.design_speed_kmh;
-  if (highway == "raceway") return {speed, 0.0, true};
+  if (is_raceway(highway)) return {speed, 0.0, true};
   if (limits.is_local) return {speed, 0.025, true};
   return {speed, speed >= 70.0 ? 0.07 : 0.06, false};
 }
@@ -91,7 +92,7 @@ DesignBanking design_banking(const RoadNetwork& roads, const StationChain& chain
     const RoadPath& path = roads.paths[station.path];
     rate[i] = at_speed(design_limits(path.highway).design_speed_kmh).relative_gradient /
               std::max(narrowest_half_width_m, station.half_width_m);
-    if (path.highway == "raceway") continue;
+    if (is_raceway(path.highway)) continue;
     const bool one_way = path.oneway != Oneway::no || path.roundabout;
     const double e = path.roundabout ? 0.0 : curve_banking(curve_rule(path.highway), station.curvature_1pm);
     if (e >= keeps_crown_below)

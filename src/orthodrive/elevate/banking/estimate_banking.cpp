@@ -13,6 +13,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/elevate/banking/fit_banking.hpp"
 #include "orthodrive/elevate/banking/shared_slopes.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
@@ -182,7 +183,7 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
   std::vector<double> limits;
   limits.reserve(chain.stations.size());
   for (const Station& station : chain.stations)
-    limits.push_back(roads.paths[station.path].highway == "raceway" ? largest_raceway_slope : options.largest_slope);
+    limits.push_back(is_raceway(roads.paths[station.path].highway) ? largest_raceway_slope : options.largest_slope);
   for (const BankingAnchor& anchor : anchors) {
     limits[anchor.station] = std::max(limits[anchor.station], std::abs(anchor.slope));
     walk_away(chain, anchor.station, INFINITY, [&](std::size_t i, double gone_m) {
@@ -281,7 +282,7 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
     add_where_free(shared[c], anchors);
     fits[c] = fit_banking(chain, samples[c], design, anchors, options);
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
-      if (fits[c].source[i] == BankingSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
+      if (fits[c].source[i] == BankingSource::design && is_raceway(roads.paths[chain.stations[i].path].highway))
         fits[c].source[i] = BankingSource::none;
     limit_twist(chain, design, anchors, fits[c]);
     findings[c].clear();

@@ -10,6 +10,7 @@
 #include <queue>
 #include <set>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/roads/path_overlaps.hpp"
 
@@ -93,9 +94,7 @@ double terrain_dip_m(const std::vector<double>& s, const std::vector<TerrainSamp
   return std::isnan(dip) ? 0.0 : dip;
 }
 
-bool is_never_crossed_at_grade(const RoadPath& path) {
-  return path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
-}
+bool is_never_crossed_at_grade(const RoadPath& path) { return is_fast_class(path.highway); }
 
 void report_missing_junction(const RoadPath& a, const RoadPath& b, const PathCrossing& crossing, const char* why,
                              Findings& findings) {

@@ -13,6 +13,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive/opendrive_junction.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "roadquery/map/lane_type_name.hpp"
 #include "roadquery/opendrive/junction_surface_text.hpp"
 #include "roadquery/roads/connecting_road.hpp"
@@ -146,7 +147,7 @@ const char* road_type(const std::string& highway) {
   if (highway.starts_with("motorway")) return "motorway";
   if (highway.starts_with("trunk") || highway.starts_with("primary")) return "rural";
   if (highway == "living_street") return "lowSpeed";
-  if (highway == "raceway" || highway == "track" || highway.empty()) return "unknown";
+  if (is_raceway(highway) || highway == "track" || highway.empty()) return "unknown";
   return "town";
 }
 

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "roadquery/text/text.hpp"
 
 namespace orthodrive::io {
@@ -145,7 +146,7 @@ std::string lane_value(const OsmTags& tags, const WayAttributes& way, const std:
 }
 
 std::string road_use(const OsmTags& tags, const std::string& highway) {
-  if (highway == "raceway") return "";
+  if (is_raceway(highway)) return "";
   Permits permits;
   for (const auto& [key, member] : permit_keys) permits.*member = tag_value(tags, key);
   const bool busway = highway == "busway";

@@ -12,6 +12,7 @@
 #include "orthodrive/io/osm/lane_use.hpp"
 #include "orthodrive/io/osm/lane_widths.hpp"
 #include "orthodrive/io/osm/osm_tags.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/speed_laws.hpp"
 
 namespace orthodrive::io {
@@ -270,7 +271,7 @@ std::string direction_speeds(const OsmTags& tags, WayAttributes& way, bool forwa
 std::string surroundings_of(const OsmTags& tags, const std::string& highway) {
   if (const std::string& zone = tag_value(tags, "zone:traffic"); zone.ends_with("urban") || zone.ends_with("rural"))
     return zone;
-  if (highway == "residential" || highway == "living_street" || tag_value(tags, "lit") == "yes") return "urban";
+  if (is_street_class(highway) || tag_value(tags, "lit") == "yes") return "urban";
   bool has_none = tag_value(tags, "lit") == "no";
   for (const char* key : {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}) {
     const std::string& value = tag_value(tags, key);

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "orthodrive/model/roads/highway_class.hpp"
+
 namespace orthodrive {
 namespace {
 constexpr double walk_kmh = 7.0;  // what courts take "Schrittgeschwindigkeit" for
@@ -110,7 +112,6 @@ std::string with_numbers(const SpeedLaws& laws, std::string_view list) {
   return numbers;
 }
 
-bool ends_with_link(std::string_view highway) { return highway.ends_with("_link"); }
 }  // namespace
 
 bool is_speed_context(std::string_view text) {
@@ -143,7 +144,7 @@ double lawful_speed_kmh(const SpeedLaws& laws, const RoadPath& path) {
   const bool is_dual = path.oneway == Oneway::forward && !path.roundabout && path.lanes >= 2;
   double kmh = limit(&SpeedLaw::urban);
   if (is_rural) kmh = limit(is_dual ? &SpeedLaw::rural_dual : &SpeedLaw::rural);
-  const bool is_named_by_no_law = ends_with_link(path.highway) || road_rank(path.highway) <= road_rank("service");
+  const bool is_named_by_no_law = is_link_class(path.highway) || road_rank(path.highway) <= road_rank("service");
   if (path.highway == "motorway_link") kmh = limit(&SpeedLaw::motorway);
   return is_named_by_no_law ? std::min(kmh, built_for) : kmh;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 
 namespace orthodrive::network {
@@ -45,9 +46,6 @@ const LaneWidths* find_class(std::string_view highway) {
   return found == classes.end() ? nullptr : &*found;
 }
 
-bool is_fast(std::string_view highway) { return highway.starts_with("motorway") || highway.starts_with("trunk"); }
-bool is_street(std::string_view highway) { return highway == "residential" || highway == "living_street"; }
-
 /// Metres of both sides, and what they are.
 struct Sidestrips {
   double left_m = 0.0, right_m = 0.0;
@@ -76,7 +74,7 @@ class Divider {
     if (const Sidestrips parked = parking(usual_m, widest_m); parked.left_m + parked.right_m > 0.0) return parked;
     if (path_.shoulder != Sides::none) return tagged(path_.shoulder, width_m_ - usual_m, LaneType::shoulder);
     const double rest_m = width_m_ - widest_m;
-    if (one_way_ && is_fast(path_.highway)) {
+    if (one_way_ && is_fast_class(path_.highway)) {
       const double inner_m =
           rest_m < 2.0 * least_strip_m ? 0.0 : std::clamp(rest_m / 3.0, least_strip_m, inner_strip_m);
       Sidestrips strips = at(outer_, rest_m - inner_m, edge_type(rest_m - inner_m));
@@ -101,14 +99,14 @@ class Divider {
     return {0.5 * width_m, 0.5 * width_m, type, type};
   }
   [[nodiscard]] LaneType edge_type(double width_m) const {
-    const bool rural = road_rank(path_.highway) >= road_rank("unclassified") && !is_street(path_.highway) &&
+    const bool rural = road_rank(path_.highway) >= road_rank("unclassified") && !is_street_class(path_.highway) &&
                        path_.sidewalk == Sides::none;
     return rural && width_m >= least_shoulder_m ? LaneType::shoulder : LaneType::border;
   }
   /// Of streets: on both sides, or outside of a one-way street. On which side of a two-way street cars stand in one row
   /// nobody knows.
   [[nodiscard]] Sidestrips parking(double usual_m, double widest_m) const {
-    if (!is_street(path_.highway)) return {};
+    if (!is_street_class(path_.highway)) return {};
     const double rows = one_way_ ? 1.0 : 2.0, rest_m = width_m_ - usual_m;
     if (rest_m < rows * least_parking_m) return {};
     return tagged(one_way_ ? outer_ : Sides::both,

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "orthodrive/model/roads/highway_class.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -127,7 +129,7 @@ Markings markings_of(const std::string& highway, const LaneLayout& layout, doubl
                                         "secondary_link", "tertiary",     "tertiary_link"};
   Markings marks;
   const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
-  const bool is_race = highway == "raceway";
+  const bool is_race = is_raceway(highway);
   const bool both_ways = layout.is_shared() || (layout.left > 0 && layout.right > 0);
   marks.edges = is_race || (is_major && width_m >= (both_ways ? centre_line_from_m : 0.0));
   marks.lanes = !is_race && (is_major || layout.left > 2 || layout.right > 2);
@@ -309,7 +311,7 @@ std::pair<int, int> lane_numbers(const RoadPath& path, double median_width_m) {
     return {std::max(1, forward), std::max(1, path.lanes_backward > 0 ? path.lanes_backward : lanes - forward)};
   }
   if (has_one_lane(path, median_width_m)) return {1, one_way ? 0 : 1};
-  const bool fast = path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
+  const bool fast = is_fast_class(path.highway);
   const double lane_m = one_way ? (fast ? fast_lane_m : one_way_lane_m) : two_way_lane_m;
   const double lanes_m = one_way ? median_width_m - (fast ? fast_rests_m : 0.0) : 0.5 * median_width_m;
   const int forward = std::clamp(static_cast<int>(lanes_m / lane_m), 1, max_untagged_lanes);

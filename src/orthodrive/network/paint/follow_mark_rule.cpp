@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 
 namespace orthodrive::network {
@@ -54,7 +55,7 @@ void follow_mark_rule(const RoadMarkRule& rule, roadquery::RoadMap& map) {
       const bool both_ways = has_traffic(section.left) && has_traffic(section.right);
       if (both_ways) {
         paint_between_directions(rule, section.center);
-      } else if (!has_shared_lane(section) && road.highway != "raceway") {
+      } else if (!has_shared_lane(section) && !is_raceway(road.highway)) {
         for (RoadMark& mark : section.center.marks) mark.color = rule.inner_edge;
       }
       if (strokes) write_out_strokes(*strokes, section.center);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "orthodrive/geo/angle.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/network/junctions/roads_over.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "roadquery/surface/road_surface.hpp"
@@ -26,7 +27,7 @@ constexpr double kerb_step_m = 2.0, half_window_m = 20.0, shortest_bend_m = 15.0
 constexpr double place_step_m = 1.0;   // between the places of widths and heights
 constexpr double kerb_margin_m = 0.3;  // kept to other carriageways
 
-bool is_track(const Road& road) { return road.highway == "raceway" && road.junction < 0 && road.sections.size() == 1; }
+bool is_track(const Road& road) { return is_raceway(road.highway) && road.junction < 0 && road.sections.size() == 1; }
 
 /// A road of a track and where on it it begins.
 struct Member {

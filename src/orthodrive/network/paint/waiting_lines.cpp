@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/lanes/lanes.hpp"
 #include "orthodrive/network/paint/crosswalks.hpp"
@@ -90,7 +91,7 @@ double heading_into(const Road& road, bool at_end) {
 bool merges(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends, const JunctionEnd& end, int highest,
             const RoadMap& map) {
   const Road& road = map.roads[static_cast<std::size_t>(end.road)];
-  if (!road.highway.ends_with("_link")) return false;
+  if (!is_link_class(road.highway)) return false;
   const double heading = heading_into(road, end.at_end);
   return std::ranges::any_of(ends, [&](const JunctionEnd& other) {
     const double out = heading_into(map.roads[static_cast<std::size_t>(other.road)], other.at_end) + M_PI;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/network/topology/topology.hpp"
 
 namespace orthodrive::network {
@@ -22,7 +23,7 @@ constexpr double least_share = 0.6, most_share_on_other_side = 0.2;
 using Ways = std::vector<int>;
 
 bool may_be_carriageway(const RoadPath& path) {
-  return path.oneway == Oneway::no && !path.roundabout && path.highway != "raceway" &&
+  return path.oneway == Oneway::no && !path.roundabout && !is_raceway(path.highway) &&
          road_rank(path.highway) >= road_rank("tertiary");
 }
 

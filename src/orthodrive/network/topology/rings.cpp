@@ -9,6 +9,7 @@
 
 #include "orthodrive/geo/roundness.hpp"
 #include "orthodrive/math/cholesky.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/network/curves/fit_circle.hpp"
 
 namespace orthodrive::network {
@@ -48,7 +49,7 @@ class RingFinder {
  private:
   [[nodiscard]] const RoadPath& path_of(PieceIndex piece) const { return roads_.paths[pieces_.pieces[piece].path]; }
   [[nodiscard]] bool may_ring(PieceIndex piece) const {
-    return path_of(piece).oneway == Oneway::forward && path_of(piece).highway != "raceway";
+    return path_of(piece).oneway == Oneway::forward && !is_raceway(path_of(piece).highway);
   }
   [[nodiscard]] bool is_roundabout(const std::vector<DirectedPiece>& round) const {
     Ring ring;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "orthodrive/geo/roundness.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/model/roads/osm_node_id.hpp"
 #include "orthodrive/network/curves/fit_circle.hpp"
 #include "orthodrive/network/topology/rings.hpp"
@@ -111,7 +112,7 @@ class CircleFinder {
  private:
   [[nodiscard]] bool may_ring(PieceIndex piece) const {
     const RoadPath& path = roads_.paths[pieces_.pieces[piece].path];
-    return path.oneway == Oneway::no && !path.bridge && !path.tunnel && path.highway != "raceway" &&
+    return path.oneway == Oneway::no && !path.bridge && !path.tunnel && !is_raceway(path.highway) &&
            road_rank(path.highway) >= road_rank("living_street");
   }
 

@@ -12,6 +12,7 @@
 #include "orthodrive/core/find_resource.hpp"
 #include "orthodrive/drive/drive_all_roads.hpp"
 #include "orthodrive/drive/drive_route.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/pipeline/files/read_network.hpp"
 #include "orthodrive/pipeline/stages/bare_road_finding.hpp"
 #include "orthodrive/report/lap_exchange.hpp"
@@ -48,7 +49,7 @@ bool mostly_raceway(const roadquery::RoadMap& map, const Route& route) {
   double raceway_m = 0.0;
   for (const RouteStep& step : route.steps) {
     const roadquery::Road& road = map.roads[static_cast<std::size_t>(step.road)];
-    if (road.highway == "raceway") raceway_m += road.length;
+    if (is_raceway(road.highway)) raceway_m += road.length;
   }
   return raceway_m > 0.5 * route.length_m;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "roadquery/surface/road_surface.hpp"
 
 namespace orthodrive::scene {
@@ -141,7 +142,7 @@ void add_lane_marks(const roadquery::Road& road, const roadquery::LaneSection& s
 
 DashPattern dash_pattern(const roadquery::Road& road) {
   constexpr double kmh = 1.0 / 3.6;
-  const bool fast_class = road.highway.starts_with("motorway") || road.highway.starts_with("trunk");
+  const bool fast_class = is_fast_class(road.highway);
   const double speed_mps = road.speed_limit_mps > 0.0 ? road.speed_limit_mps : (fast_class ? 120.0 : 50.0) * kmh;
   if (speed_mps <= 60.5 * kmh) return {3.0, 6.0};
   if (speed_mps <= 100.5 * kmh) return {4.0, 8.0};

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/scene/look/mesh_materials.hpp"
 #include "roadquery/surface/road_surface.hpp"
 
@@ -260,8 +261,7 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
   faces.are_rails = true;
   for (const BorderRun& run : runs_of(input.roads, [&](const BorderSegment&s, Vec2 outwards) {
          const roadquery::Road* road = road_along(input, s, outwards);
-         return road != nullptr && (road->highway.starts_with("motorway") || road->highway.starts_with("trunk")) &&
-                is_free_beside(input, s, outwards, rail_off_m + 0.5);
+         return road != nullptr && is_fast_class(road->highway) && is_free_beside(input, s, outwards, rail_off_m + 0.5);
        })) {
     for (const BorderRun& part : free_parts(input, run, {rail_off_m, rail_off_m + rail_thick_m + post_m})) {
       add_bar(part, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, rail_steel, faces);

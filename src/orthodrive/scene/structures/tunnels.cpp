@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/model/roads/highway_class.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
 
 namespace orthodrive::scene {
@@ -30,7 +31,7 @@ struct Clearance {
 Clearance clearance_of(const roadquery::Road& road) {
   constexpr std::array<std::string_view, 5> paths = {"footway", "path", "cycleway", "steps", "pedestrian"};
   if (std::ranges::find(paths, road.highway) != paths.end()) return {3.0, 2.3};
-  if (road.highway.starts_with("motorway") || road.highway.starts_with("trunk")) return {5.0, 3.8};
+  if (is_fast_class(road.highway)) return {5.0, 3.8};
   return {};
 }
 
