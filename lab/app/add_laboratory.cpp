@@ -10,7 +10,9 @@ void add_laboratory(CLI::App& app, Context& context) {
   add_train(app, context);
   add_forests(app, context);
   add_tune(app, context);
-  for (const char* name : {"synth", "train", "forests", "tune"}) app.get_subcommand(name)->group(lab_group);
+  app.footer(
+      "synth, train, forests, tune, and --method of refine and elevate come with the Debian package orthodrive-lab.\n" +
+      app.get_footer());
 }
 
 }  // namespace orthodrive::app

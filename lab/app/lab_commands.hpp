@@ -6,8 +6,6 @@
 
 namespace orthodrive::app {
 
-inline const char* const lab_group = "Laboratory (Debian package orthodrive-lab)";
-
 void add_synth(CLI::App& app, Context& context);
 void add_train(CLI::App& app, Context& context);
 void add_forests(CLI::App& app, Context& context);
