@@ -17,7 +17,7 @@ import unittest
 from unittest import mock
 
 SOURCE, TOOL, TEST_ELEVATE = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-COPIED = ["tools", "docs", "bench/results", "models/truth", "models/classes", "src/orthodrive"]
+COPIED = ["tools", "docs", "bench/results", "models/truth", "models/classes", "src/orthodrive", "lab/orthodrive"]
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCE / "tools"))
 from measuring import all_pages, common  # noqa: E402 (its folder is named in the line above)
