@@ -10,7 +10,6 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "orthodrive/scene/buildings/building_mesh.hpp"
 #include "orthodrive/scene/look/mesh_materials.hpp"
 #include "orthodrive/scene/plan/drape.hpp"
 #include "orthodrive/scene/plan/triangulate.hpp"
@@ -366,22 +365,6 @@ std::vector<KerbPiece> kerbs_of(const LevelLines& lines, TileAddress address, Ve
   return local;
 }
 
-std::span<const StructureFace> faces_in(const std::map<TileAddress, std::vector<StructureFace>>& faces,
-                                        TileAddress address) {
-  const auto found = faces.find(address);
-  return found == faces.end() ? std::span<const StructureFace>{} : found->second;
-}
-
-/// Of the faces that have the material; none: no mesh.
-void add_mesh_of(std::span<const StructureFace> faces, MeshKind kind, SurfaceMaterial material, Vec3 origin,
-                 std::vector<TriMesh>& meshes) {
-  TriMesh mesh{.kind = kind};
-  add_faces(faces, {.material = material}, origin, mesh);
-  if (mesh.indices.empty()) return;
-  add_material(material, mesh);
-  meshes.push_back(std::move(mesh));
-}
-
 }  // namespace
 
 SceneSource source_of(const SceneInput& input) {
@@ -441,9 +424,7 @@ struct TileMeshes {
   MeshBuilder terrain, road, water, lids, tunnel_road;
   MeshBuilder body;  // takes heights that are relative already
   TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb};
-  TriMesh structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
-  TriMesh buildings{.kind = MeshKind::building};
-  std::vector<TriMesh> covers, along_lines;
+  std::vector<TriMesh> covers;
 };
 
 /// Ground, roads on it, decks and tunnels, with their markings and kerbs.
@@ -471,64 +452,34 @@ void add_surfaces(const SceneLayout& layout, TileAddress address, Vec2 center, T
     m.covers = cover_meshes(m.terrain.mesh, found->second, center, m.marking);
 }
 
-/// Materials of the roads, and what carries or encloses them.
-void add_road_works(const SceneLayout& layout, TileAddress address, Vec2 center, SceneTile& tile, TileMeshes& m) {
+/// What the roads, their paint and kerbs are made of.
+void add_materials(const SceneLayout& layout, Vec2 center, SceneTile& tile, TileMeshes& m) {
   add_road_materials(layout, center, name_lanes(*layout.query, tile, m.road.mesh), m.road.mesh);
   add_road_materials(layout, center, name_lanes(*layout.query, tile, m.tunnel_road.mesh), m.tunnel_road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, m.body.mesh);
   m.marking.colors.resize(m.marking.positions.size(), mesh_color(white_paint));  // those of parking lots
   add_material(SurfaceMaterial::paint, m.marking);
   add_material(SurfaceMaterial::concrete, m.kerb);
-  add_faces(faces_in(layout.structures, address), {}, tile.origin, m.structure);
-  add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, m.rails);
-  add_material(SurfaceMaterial::concrete, m.structure);
-  add_material(SurfaceMaterial::concrete, m.rails);
-  add_faces(faces_in(layout.tubes, address), {}, tile.origin, m.tube);
-  add_material(SurfaceMaterial::concrete, m.tube);
 }
 
-/// Buildings, trees, lamps, barriers, tracks and other objects of the map.
-void add_surroundings(const SceneLayout& layout, TileAddress address, SceneTile& tile, TileMeshes& m) {
-  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
-    m.buildings = building_mesh(found->second, tile.origin);
-    for (std::uint32_t& feature : m.buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
-    for (const PlacedBuilding* building : found->second)
-      tile.features.push_back({.kind = "building", .osm_id = building->osm_id, .type = building->use});
-    InstancedMesh chimneys = chimney_instances(found->second, tile.origin);
-    if (!chimneys.instances.empty()) tile.instanced.push_back(std::move(chimneys));
-  }
-  if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
-    std::ranges::move(tree_instances(found->second, tile.origin), std::back_inserter(tile.instanced));
-  if (const auto found = layout.lamps_in.find(address); found != layout.lamps_in.end())
-    tile.instanced.push_back(lamp_instances(found->second, tile.origin));
-  for (const SurfaceMaterial material :
-       {SurfaceMaterial::concrete, SurfaceMaterial::gravel, SurfaceMaterial::foliage}) {
-    add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, m.along_lines);
-    add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, m.along_lines);
-  }
-  add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin,
-              m.along_lines);
-}
-
-/// Into the tile, with its least and greatest height.
-void collect(TileMeshes& m, SceneTile& tile) {
-  float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&m.terrain.mesh,     &m.water.mesh, &m.road.mesh, &m.body.mesh, &m.verge,
-                               &m.marking,          &m.kerb,       &m.structure, &m.rails,     &m.buildings,
-                               &m.tunnel_road.mesh, &m.tube};
+void move_into(SceneTile& tile, TileMeshes& m) {
+  std::vector<TriMesh*> all = {&m.terrain.mesh, &m.water.mesh, &m.road.mesh, &m.body.mesh,
+                               &m.verge,        &m.marking,    &m.kerb,      &m.tunnel_road.mesh};
   for (TriMesh& mesh : m.covers) all.push_back(&mesh);
-  for (TriMesh& mesh : m.along_lines) all.push_back(&mesh);
-  for (TriMesh* mesh : all) {
-    if (mesh->indices.empty()) continue;
-    for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
-    tile.meshes.push_back(std::move(*mesh));
-  }
+  for (TriMesh* mesh : all)
+    if (!mesh->indices.empty()) tile.meshes.push_back(std::move(*mesh));
+}
+
+/// Least and greatest height of all that is in the tile.
+void measure_heights(SceneTile& tile) {
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (const TriMesh& mesh : tile.meshes)
+    for (const auto& p : mesh.positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
   for (const InstancedMesh& copied : tile.instanced) {
     float top = 0.0F;
     for (const auto& p : copied.mesh.positions) top = std::max(top, p[2]);
     for (const MeshInstance& copy : copied.instances) high = std::max(high, copy.position[2] + top * copy.scale[2]);
   }
-  if (tile.meshes.empty()) return;
   tile.min_z_m = tile.origin.z + static_cast<double>(low);
   tile.max_z_m = tile.origin.z + static_cast<double>(high);
 }
@@ -542,10 +493,11 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   TileMeshes meshes(center, layout.origin.z);
   add_surfaces(layout, address, center, meshes);
   tile.lids = std::move(meshes.lids.mesh);
-  add_road_works(layout, address, center, tile, meshes);
-  add_surroundings(layout, address, tile, meshes);
-  collect(meshes, tile);
+  add_materials(layout, center, tile, meshes);
+  move_into(tile, meshes);
+  add_families(layout.families, tile);
   if (tile.meshes.empty()) return tile;
+  measure_heights(tile);
   tile.texture_rgb = tile_texture(*layout.photo, box, layout.options.max_texture_px);
   if (layout.labels != nullptr) {
     tile.labels = tile_labels(*layout.labels, box, layout.options.max_texture_px);

@@ -55,6 +55,8 @@ std::vector<Block> blocks_of(const std::vector<TileAddress>& tiles, int block_ti
 
 void add_tile(const SceneTile& tile, SceneResult& result) {
   result.tiles += tile.meshes.empty() ? 0 : 1;
+  for (const InstancedMesh& copied : tile.instanced)
+    if (copied.mesh.kind == MeshKind::tree) result.trees += copied.instances.size();
   for (const TriMesh& mesh : tile.meshes) {
     if (mesh.kind == MeshKind::terrain) result.terrain_triangles += mesh.indices.size() / 3;
     if (mesh.kind != MeshKind::road) continue;
@@ -76,8 +78,6 @@ SceneResult build_block(const SceneLayout& layout, std::span<const TileAddress> 
     add_tile(tile, of_tile[i]);
     const auto buildings = buildings_in(layout, tiles[i]);
     of_tile[i].buildings = buildings.size();
-    if (const auto found = layout.trees_in.find(tiles[i]); found != layout.trees_in.end())
-      of_tile[i].trees = found->second.size();
     levels.finish(std::move(tile), buildings);
     after_each();
   });

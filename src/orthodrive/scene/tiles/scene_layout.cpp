@@ -12,6 +12,9 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/scene/buildings/label_footprints.hpp"
+#include "orthodrive/scene/objects/line_objects.hpp"
+#include "orthodrive/scene/objects/map_objects.hpp"
+#include "orthodrive/scene/plants/trees.hpp"
 #include "orthodrive/scene/roads/crossing_roads.hpp"
 #include "orthodrive/scene/roads/lane_cuts.hpp"
 #include "orthodrive/scene/roads/road_paint.hpp"
@@ -167,6 +170,16 @@ using namespace scene;
 
 namespace {
 
+template <typename Placed>
+Vec2 foot_of(const Placed& placed) {
+  return {placed.foot.x, placed.foot.y};
+}
+
+/// What runs along lines: walls and fences, ballast, hedges.
+std::vector<FaceMesh> of_each_material(MeshKind kind) {
+  return {{kind, {SurfaceMaterial::concrete}}, {kind, {SurfaceMaterial::gravel}}, {kind, {SurfaceMaterial::foliage}}};
+}
+
 struct SortedRoads {
   std::vector<const roadquery::Road*> ground;
   std::vector<std::vector<const roadquery::Road*>> decks, tunnels;
@@ -233,8 +246,9 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
   buildings = place_buildings(known, {levels, area, *ground, *photo, options.threads}, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
   const FreeSpace space({levels, buildings, area, openings});
-  trees = plant_trees(crowns, window.trees, space, *ground, *photo, options.threads);
-  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+  families.push_back(family_of_buildings(buildings_in));
+  families.push_back(std::make_unique<const CopiedFamily<PlacedTree>>(
+      plant_trees(crowns, window.trees, space, *ground, *photo, options.threads), foot_of<PlacedTree>, tree_instances));
   if (window.surroundings) add_surroundings(*window.surroundings, space, block);
   add_terrain_points();
 }
@@ -243,13 +257,17 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
   std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
   std::ranges::move(standing.large, std::back_inserter(lasting));
-  barriers = by_tile(lasting);
-  objects = by_tile(standing.small);
-  tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
-  lamps = place_lamps(surroundings.lamps, roads, space, *ground);
+  families.push_back(family_of_faces(lasting, of_each_material(MeshKind::barrier)));
+  families.push_back(
+      family_of_faces(track_faces(surroundings.tracks, space, *ground), of_each_material(MeshKind::track)));
+  families.push_back(family_of_faces(standing.small, {{MeshKind::object, {SurfaceMaterial::concrete}}}));
+  families.push_back(std::make_unique<const CopiedFamily<PlacedLamp>>(
+      place_lamps(surroundings.lamps, roads, space, *ground), foot_of<PlacedLamp>,
+      [](const std::vector<const PlacedLamp*>& lamps, Vec3 origin) {
+        return std::vector<InstancedMesh>{lamp_instances(lamps, origin)};
+      }));
   covers = place_covers(surroundings, {space, waters, *photo, labels, block, options.threads});
   for (const PlacedCover& cover : covers) covers_in[tile_at(cover.middle)].push_back(&cover);
-  for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 
 const RoadLevel& SceneLayout::level(int number) const {
@@ -290,7 +308,7 @@ void SceneLayout::lay_tunnels(std::vector<Polyline>& lines) {
   Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, frame->dense_area);
   append_rings(built.openings, window.box, lines);
   openings = Outline(built.openings, tree_reach_m);
-  tubes = by_tile(built.faces);
+  families.push_back(family_of_faces(built.faces, {{MeshKind::tunnel, {SurfaceMaterial::concrete}}}));
   constexpr std::size_t over_tunnels = 4;
   for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)][over_tunnels].push_back(snap_to_grid(p));
   std::ranges::move(built.findings, std::back_inserter(findings));
@@ -326,7 +344,9 @@ void SceneLayout::lay_roads() {
   };
   for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
   for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);
-  structures = by_tile(build_structures({roads, decks, *ground, *query, options.deck_thickness_m}));
+  families.push_back(family_of_faces(
+      build_structures({roads, decks, *ground, *query, options.deck_thickness_m}),
+      {{MeshKind::structure, {SurfaceMaterial::concrete}}, {MeshKind::rails, {SurfaceMaterial::concrete, true}}}));
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, *photo);

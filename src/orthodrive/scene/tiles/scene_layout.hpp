@@ -12,20 +12,17 @@
 #include "orthodrive/scene/buildings/buildings.hpp"
 #include "orthodrive/scene/ground/ground_surface.hpp"
 #include "orthodrive/scene/ground/water.hpp"
-#include "orthodrive/scene/objects/line_objects.hpp"
-#include "orthodrive/scene/objects/map_objects.hpp"
 #include "orthodrive/scene/plan/plan_grid.hpp"
 #include "orthodrive/scene/plan/scene_input.hpp"
 #include "orthodrive/scene/plan/tile_address.hpp"
 #include "orthodrive/scene/plants/ground_cover.hpp"
-#include "orthodrive/scene/plants/trees.hpp"
 #include "orthodrive/scene/roads/kerbs.hpp"
 #include "orthodrive/scene/roads/road_joints.hpp"
 #include "orthodrive/scene/roads/road_level.hpp"
 #include "orthodrive/scene/roads/road_markings.hpp"
 #include "orthodrive/scene/roads/road_tint.hpp"
-#include "orthodrive/scene/structures/structures.hpp"
 #include "orthodrive/scene/structures/tunnels.hpp"
+#include "orthodrive/scene/tiles/families.hpp"
 #include "orthodrive/scene/tiles/scene_frame.hpp"
 #include "orthodrive/scene/tiles/scene_windows.hpp"
 
@@ -84,17 +81,12 @@ class SceneLayout {
   std::unique_ptr<const scene::Ground> ground;        ///< never null once the layout is made
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
-  std::vector<scene::PlacedBuilding> buildings;
-  std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
-  std::vector<scene::PlacedTree> trees;
-  std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
-  std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks,
-      objects;  ///< by their middles
+  std::vector<scene::PlacedBuilding> buildings;  ///< free space lies between them; coarser tiles make them anew
+  scene::BuildingsByTile buildings_in;           ///< by their middles
+  scene::Families families;                      ///< all that stands on the ground and the roads
   scene::Waters waters;
   std::vector<scene::PlacedCover> covers;
   std::map<TileAddress, std::vector<const scene::PlacedCover*>> covers_in;
-  std::vector<scene::PlacedLamp> lamps;
-  std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
   /// Terrain vertices besides the raster, by rows: beside roads at three distances, below bridges, over tunnels.
   std::map<TileAddress, std::array<std::vector<Vec2>, 5>> terrain_points;
 
