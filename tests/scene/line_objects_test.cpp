@@ -13,6 +13,7 @@
 #include "orthodrive/scene/plan/plan_grid.hpp"
 #include "orthodrive/scene/tiles/coarse_tile.hpp"
 #include "orthodrive/scene/tiles/scene_layout.hpp"
+#include "scene/placed.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {
@@ -118,9 +119,9 @@ TEST(LineObjects, lamps_stand_beside_the_road_and_look_at_it) {
   const Site site = make_site(480.0, {{.start = line_at(40, 240), .length_m = 400.0}});
   const auto layout =
       lay_out_lines(site, {.lamps = {line_at(100, 244), line_at(150, 236.5), line_at(200, 240.5), line_at(250, 300)}});
-  ASSERT_EQ(layout->lamps.size(), 3U) << "one was on the road";
-  EXPECT_NEAR(layout->lamps[0].yaw_rad, -0.5 * pi, 1e-6);
-  EXPECT_NEAR(layout->lamps[1].yaw_rad, 0.5 * pi, 1e-6);
+  ASSERT_EQ(scene::placed<scene::PlacedLamp>(*layout).size(), 3U) << "one was on the road";
+  EXPECT_NEAR(scene::placed<scene::PlacedLamp>(*layout)[0].yaw_rad, -0.5 * pi, 1e-6);
+  EXPECT_NEAR(scene::placed<scene::PlacedLamp>(*layout)[1].yaw_rad, 0.5 * pi, 1e-6);
   SceneTile tile = build_scene_tile(*layout, {1000, 13000});
   ASSERT_EQ(tile.instanced.size(), 1U);
   EXPECT_EQ(tile.instanced[0].instances.size(), 3U);

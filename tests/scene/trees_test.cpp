@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/tiles/scene_layout.hpp"
+#include "scene/placed.hpp"
 #include "scene/scene_site.hpp"
 
 namespace orthodrive {
@@ -70,7 +71,7 @@ void expect_clear(const SceneLayout& layout) {
     roofs_m.push_back(building.eaves_m.empty() ? 0.0 : std::ranges::max(building.eaves_m));
   }
   EXPECT_GT(std::ranges::max(roofs_m), 0.3);
-  for (const PlacedTree& tree : layout.trees) {
+  for (const PlacedTree& tree : scene::placed<PlacedTree>(layout)) {
     const Vec2 p{tree.foot.x, tree.foot.y};
     EXPECT_TRUE(layout.area.contains(p));
     for (const MultiPolygon* set : paved) {
@@ -98,7 +99,7 @@ TEST(Trees, no_crown_reaches_over_a_road_or_into_a_building) {
   input.labels = &labels, input.buildings = buildings, input.trees = singles;
   for (const double verge_m : {1.0, 5.0}) {
     const auto layout = lay_out_scene(input, {.verge_m = verge_m});
-    EXPECT_GT(layout->trees.size(), 1000U);
+    EXPECT_GT(scene::placed<PlacedTree>(*layout).size(), 1000U);
     EXPECT_GT(layout->buildings.size(), 20U);
     expect_clear(*layout);
   }
@@ -113,10 +114,10 @@ TEST(Trees, of_a_map_stand_where_they_are_unless_a_crown_is_there) {
   const std::vector<Vec2> singles = {{west_m + 105.0, south_m + 105.0}, {west_m + 200.0, south_m + 200.0}};
   input.labels = &labels, input.trees = singles;
   const auto layout = lay_out_scene(input);
-  ASSERT_EQ(layout->trees.size(), 2U);
-  EXPECT_NEAR(layout->trees[0].foot.x, west_m + 105.0, 1.0);
-  EXPECT_EQ(layout->trees[1].foot.x, west_m + 200.0);
-  EXPECT_EQ(layout->trees[1].foot.z, 10.0);
+  ASSERT_EQ(scene::placed<PlacedTree>(*layout).size(), 2U);
+  EXPECT_NEAR(scene::placed<PlacedTree>(*layout)[0].foot.x, west_m + 105.0, 1.0);
+  EXPECT_EQ(scene::placed<PlacedTree>(*layout)[1].foot.x, west_m + 200.0);
+  EXPECT_EQ(scene::placed<PlacedTree>(*layout)[1].foot.z, 10.0);
 }
 
 TEST(Trees, small_crowns_are_shrubs_and_heights_follow_the_crown) {
@@ -126,7 +127,7 @@ TEST(Trees, small_crowns_are_shrubs_and_heights_follow_the_crown) {
   input.labels = &labels;
   const auto layout = lay_out_scene(input);
   std::array<int, scene::tree_shape_count> count{};
-  for (const PlacedTree& tree : layout->trees) {
+  for (const PlacedTree& tree : scene::placed<PlacedTree>(*layout)) {
     ++count[static_cast<std::size_t>(tree.shape)];
     EXPECT_GE(tree.crown_radius_m, 0.7);
     EXPECT_LE(tree.crown_radius_m, 5.0);
@@ -155,7 +156,7 @@ TEST(Trees, a_tile_has_copies_of_its_own_trees) {
       for (const float tint : copy.tint) EXPECT_TRUE(tint > 0.4F && tint < 2.0F);
     }
   }
-  EXPECT_EQ(copies, layout->trees.size());
+  EXPECT_EQ(copies, scene::placed<PlacedTree>(*layout).size());
   EXPECT_TRUE(build_scene_tile(*layout, {1002, 13000}).instanced.empty());
 }
 
@@ -165,9 +166,9 @@ TEST(Trees, thread_count_does_not_change_a_byte) {
   SceneInput input = site.input();
   input.labels = &labels;
   const auto one = lay_out_scene(input, {.threads = 1}), four = lay_out_scene(input, {.threads = 4});
-  ASSERT_EQ(one->trees.size(), four->trees.size());
-  for (std::size_t i = 0; i < one->trees.size(); ++i) {
-    const PlacedTree &a = one->trees[i], &b = four->trees[i];
+  ASSERT_EQ(scene::placed<PlacedTree>(*one).size(), placed<PlacedTree>(*four).size());
+  for (std::size_t i = 0; i < scene::placed<PlacedTree>(*one).size(); ++i) {
+    const PlacedTree &a = scene::placed<PlacedTree>(*one)[i], &b = placed<PlacedTree>(*four)[i];
     EXPECT_TRUE(a.foot.x == b.foot.x && a.foot.z == b.foot.z && a.yaw_rad == b.yaw_rad && a.color == b.color);
   }
 }

@@ -58,6 +58,8 @@ class CopiedFamily final : public Family {
     for (InstancedMesh& copied : copies_(found->second, tile.origin)) tile.instanced.push_back(std::move(copied));
   }
 
+  [[nodiscard]] const std::vector<Placed>& placed() const { return placed_; }
+
  private:
   std::vector<Placed> placed_;
   std::map<TileAddress, Of> in_tile_;
