@@ -166,9 +166,9 @@ TEST(Trees, thread_count_does_not_change_a_byte) {
   SceneInput input = site.input();
   input.labels = &labels;
   const auto one = lay_out_scene(input, {.threads = 1}), four = lay_out_scene(input, {.threads = 4});
-  ASSERT_EQ(scene::placed<PlacedTree>(*one).size(), placed<PlacedTree>(*four).size());
+  ASSERT_EQ(scene::placed<PlacedTree>(*one).size(), scene::placed<PlacedTree>(*four).size());
   for (std::size_t i = 0; i < scene::placed<PlacedTree>(*one).size(); ++i) {
-    const PlacedTree &a = scene::placed<PlacedTree>(*one)[i], &b = placed<PlacedTree>(*four)[i];
+    const PlacedTree &a = scene::placed<PlacedTree>(*one)[i], &b = scene::placed<PlacedTree>(*four)[i];
     EXPECT_TRUE(a.foot.x == b.foot.x && a.foot.z == b.foot.z && a.yaw_rad == b.yaw_rad && a.color == b.color);
   }
 }
