@@ -88,13 +88,13 @@ TEST(LineObjects, none_stands_on_a_road_or_in_a_building) {
   }
   const auto layout = lay_out_lines(site, surroundings, buildings);
   ASSERT_GE(layout->buildings.size(), 8U);
-  EXPECT_GT(count(layout->barriers), 500U);
-  EXPECT_GT(count(layout->tracks), 500U);
+  EXPECT_GT(count(scene::placed_faces(*layout, MeshKind::barrier)), 500U);
+  EXPECT_GT(count(scene::placed_faces(*layout, MeshKind::track)), 500U);
   MultiPolygon taken = layout->roads.polygons();
   for (const scene::PlacedBuilding& building : layout->buildings)
     taken.push_back(moved(building.footprint, building.middle));
-  EXPECT_EQ(shared_m2(layout->barriers, taken), 0.0);
-  EXPECT_EQ(shared_m2(layout->tracks, taken), 0.0);
+  EXPECT_EQ(shared_m2(scene::placed_faces(*layout, MeshKind::barrier), taken), 0.0);
+  EXPECT_EQ(shared_m2(scene::placed_faces(*layout, MeshKind::track), taken), 0.0);
 }
 
 TEST(LineObjects, tracks_run_below_high_decks_but_not_below_low_ones) {
@@ -106,7 +106,7 @@ TEST(LineObjects, tracks_run_below_high_decks_but_not_below_low_ones) {
     std::size_t faces = 0;
     const Site site = bridge(z_m);  // its roads must outlive the layout
     const auto layout = lay_out_lines(site, surroundings);
-    for (const auto& [address, of_tile] : layout->tracks)
+    for (const auto& [address, of_tile] : scene::placed_faces(*layout, MeshKind::track))
       for (const scene::StructureFace& face : of_tile)
         faces += static_cast<std::size_t>(std::abs(face.corners[0].y - south_m - 240.0) < 3.5);
     return faces;
@@ -139,7 +139,9 @@ TEST(LineObjects, odd_lines_give_nothing) {
                                                         {BarrierKind::hedge, {line_at(-500, 0), line_at(-400, 0)}},
                                                         {BarrierKind::fence, {line_at(0, 0), line_at(1e9, 0)}}},
                                            .tracks = {{line_at(50, 50)}, {}}});
-  EXPECT_EQ(count(layout->barriers) + count(layout->tracks), 0U);
+  EXPECT_EQ(
+      count(scene::placed_faces(*layout, MeshKind::barrier)) + count(scene::placed_faces(*layout, MeshKind::track)),
+      0U);
 }
 
 /// A lake of 100 m in a hollow, whose map outline has a road run through it.

@@ -13,6 +13,7 @@
 #include "orthodrive/scene/tiles/coarse_tile.hpp"
 #include "orthodrive/scene/tiles/scene_layout.hpp"
 #include "sanitized.hpp"
+#include "scene/placed.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {
@@ -55,8 +56,8 @@ TEST(MapObjects, every_kind_stands_on_the_ground) {
   const Site site = make_site(480.0, {}, [](Vec2 p) { return 10.0 + 0.1 * (p.x - west_m); });
   for (int kind = 0; kind <= last_kind; ++kind) {
     const auto layout = lay_out_objects(site, {.objects = {{static_cast<ObjectKind>(kind), object_at(200, 200)}}});
-    std::vector<StructureFace> faces = faces_of(layout->objects);
-    std::ranges::move(faces_of(layout->barriers), std::back_inserter(faces));
+    std::vector<StructureFace> faces = faces_of(scene::placed_faces(*layout, MeshKind::object));
+    std::ranges::move(faces_of(scene::placed_faces(*layout, MeshKind::barrier)), std::back_inserter(faces));
     ASSERT_FALSE(faces.empty()) << kind;
     const Bounds b = bounds(faces);
     EXPECT_LT(b.low.z, 30.0) << kind << " has its foot in the ground";
@@ -90,12 +91,12 @@ TEST(MapObjects, none_stands_on_a_road_in_a_building_or_before_a_portal) {
   for (const PlacedBuilding& building : layout->buildings) taken.push_back(moved(building.footprint, building.middle));
   ASSERT_GE(layout->buildings.size(), 8U);
   // Only the arms of power towers reach further, 20 m up.
-  auto low = layout->barriers;
+  auto low = scene::placed_faces(*layout, MeshKind::barrier);
   for (auto& [address, faces] : low)
     std::erase_if(faces, [](const StructureFace& face) { return face.corners[0].z > 29.0; });
-  EXPECT_GT(faces_of(layout->objects).size(), count * 10U / 3U);
+  EXPECT_GT(faces_of(scene::placed_faces(*layout, MeshKind::object)).size(), count * 10U / 3U);
   EXPECT_GT(faces_of(low).size(), count * 5U / 3U);
-  EXPECT_EQ(shared_m2(layout->objects, taken), 0.0);
+  EXPECT_EQ(shared_m2(scene::placed_faces(*layout, MeshKind::object), taken), 0.0);
   EXPECT_EQ(shared_m2(low, taken), 0.0);
 }
 
@@ -104,7 +105,7 @@ TEST(MapObjects, signs_on_the_road_come_beside_it_and_look_at_who_comes) {
   for (const bool near_end : {false, true}) {
     const double east = near_end ? 430.0 : 60.0;
     const auto layout = lay_out_objects(site, {.objects = {{ObjectKind::stop_sign, object_at(east, 240)}}});
-    const auto faces = faces_of(layout->objects);
+    const auto faces = faces_of(scene::placed_faces(*layout, MeshKind::object));
     const Bounds b = bounds(faces);
     // Eastbound traffic has the sign in the south, and sees a face towards the west.
     EXPECT_NEAR(0.5 * (b.low.y + b.high.y) - south_m - 240.0, near_end ? -3.7 : 3.7, 0.05);
@@ -129,7 +130,7 @@ TEST(MapObjects, traffic_lights_of_a_junction_stand_at_its_arms_once) {
   roads[2].predecessor = {roadquery::LinkKind::junction, 5};
   const auto layout = lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 240)},
                                                          {ObjectKind::traffic_signals, object_at(243, 240)}}});
-  const auto faces = faces_of(layout->objects);
+  const auto faces = faces_of(scene::placed_faces(*layout, MeshKind::object));
   const auto one =
       faces_of(lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 300)}}})->objects);
   EXPECT_EQ(faces.size(), 2 * one.size());
@@ -144,7 +145,7 @@ TEST(MapObjects, wires_hang_in_catenaries_between_their_poles) {
   const auto layout = lay_out_objects(site, {.power_lines = {{{object_at(100, 200), object_at(100 + span_m, 200)}}}});
   const double c = span_m * span_m / (8.0 * 0.025 * span_m);
   int places = 0;
-  for (const StructureFace& face : faces_of(layout->objects))
+  for (const StructureFace& face : faces_of(scene::placed_faces(*layout, MeshKind::object)))
     for (const Vec3& p : face.corners) {
       const double x = p.x - west_m - 100.0 - 0.5 * span_m;
       const double z =
@@ -154,7 +155,7 @@ TEST(MapObjects, wires_hang_in_catenaries_between_their_poles) {
       ++places;
     }
   EXPECT_GE(places, 3 * 3 * 4 * 10);
-  const Bounds b = bounds(faces_of(layout->objects));
+  const Bounds b = bounds(faces_of(scene::placed_faces(*layout, MeshKind::object)));
   EXPECT_NEAR(b.high.y - b.low.y, 10.0, 0.1);
 }
 

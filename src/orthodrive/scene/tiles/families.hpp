@@ -33,13 +33,31 @@ struct FaceMesh {
   MeshKind kind;
   FaceFilter faces;  ///< those that it takes; its material is theirs
 };
+using FacesByTile = std::map<TileAddress, std::vector<StructureFace>>;
 /// Faces, each in the tile of its middle.
-[[nodiscard]] std::unique_ptr<const Family> family_of_faces(const std::vector<StructureFace>& faces,
-                                                            std::vector<FaceMesh> meshes);
+class FaceFamily final : public Family {
+ public:
+  FaceFamily(const std::vector<StructureFace>& faces, std::vector<FaceMesh> meshes)
+      : faces_(by_tile(faces)), meshes_(std::move(meshes)) {}
+  void add_to(SceneTile& tile) const override;
+  [[nodiscard]] const FacesByTile& faces() const { return faces_; }
+  [[nodiscard]] const std::vector<FaceMesh>& meshes() const { return meshes_; }
+
+ private:
+  FacesByTile faces_;
+  std::vector<FaceMesh> meshes_;
+};
 
 using BuildingsByTile = std::map<TileAddress, std::vector<const PlacedBuilding*>>;
-/// `buildings` and what they point to outlive it.
-[[nodiscard]] std::unique_ptr<const Family> family_of_buildings(const BuildingsByTile& buildings);
+class BuildingFamily final : public Family {
+ public:
+  /// `buildings` and what they point to outlive it.
+  explicit BuildingFamily(const BuildingsByTile& buildings) : buildings_(buildings) {}
+  void add_to(SceneTile& tile) const override;
+
+ private:
+  const BuildingsByTile& buildings_;
+};
 
 /// Copies of few shapes. `foot`: where one stands in the plan; `copies`: those of a tile, relative to its origin.
 template <typename Placed>

@@ -175,6 +175,10 @@ Vec2 foot_of(const Placed& placed) {
   return {placed.foot.x, placed.foot.y};
 }
 
+std::unique_ptr<const Family> of_faces(const std::vector<StructureFace>& faces, std::vector<FaceMesh> meshes) {
+  return std::make_unique<const FaceFamily>(faces, std::move(meshes));
+}
+
 /// What runs along lines: walls and fences, ballast, hedges.
 std::vector<FaceMesh> of_each_material(MeshKind kind) {
   return {{kind, {SurfaceMaterial::concrete}}, {kind, {SurfaceMaterial::gravel}}, {kind, {SurfaceMaterial::foliage}}};
@@ -246,7 +250,7 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
   buildings = place_buildings(known, {levels, area, *ground, *photo, options.threads}, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
   const FreeSpace space({levels, buildings, area, openings});
-  families.push_back(family_of_buildings(buildings_in));
+  families.push_back(std::make_unique<const BuildingFamily>(buildings_in));
   families.push_back(std::make_unique<const CopiedFamily<PlacedTree>>(
       plant_trees(crowns, window.trees, space, *ground, *photo, options.threads), foot_of<PlacedTree>, tree_instances));
   if (window.surroundings) add_surroundings(*window.surroundings, space, block);
@@ -257,10 +261,9 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
   std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
   std::ranges::move(standing.large, std::back_inserter(lasting));
-  families.push_back(family_of_faces(lasting, of_each_material(MeshKind::barrier)));
-  families.push_back(
-      family_of_faces(track_faces(surroundings.tracks, space, *ground), of_each_material(MeshKind::track)));
-  families.push_back(family_of_faces(standing.small, {{MeshKind::object, {SurfaceMaterial::concrete}}}));
+  families.push_back(of_faces(lasting, of_each_material(MeshKind::barrier)));
+  families.push_back(of_faces(track_faces(surroundings.tracks, space, *ground), of_each_material(MeshKind::track)));
+  families.push_back(of_faces(standing.small, {{MeshKind::object, {SurfaceMaterial::concrete}}}));
   families.push_back(std::make_unique<const CopiedFamily<PlacedLamp>>(
       place_lamps(surroundings.lamps, roads, space, *ground), foot_of<PlacedLamp>,
       [](const std::vector<const PlacedLamp*>& lamps, Vec3 origin) {
@@ -308,7 +311,7 @@ void SceneLayout::lay_tunnels(std::vector<Polyline>& lines) {
   Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, frame->dense_area);
   append_rings(built.openings, window.box, lines);
   openings = Outline(built.openings, tree_reach_m);
-  families.push_back(family_of_faces(built.faces, {{MeshKind::tunnel, {SurfaceMaterial::concrete}}}));
+  families.push_back(of_faces(built.faces, {{MeshKind::tunnel, {SurfaceMaterial::concrete}}}));
   constexpr std::size_t over_tunnels = 4;
   for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)][over_tunnels].push_back(snap_to_grid(p));
   std::ranges::move(built.findings, std::back_inserter(findings));
@@ -344,7 +347,7 @@ void SceneLayout::lay_roads() {
   };
   for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
   for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);
-  families.push_back(family_of_faces(
+  families.push_back(of_faces(
       build_structures({roads, decks, *ground, *query, options.deck_thickness_m}),
       {{MeshKind::structure, {SurfaceMaterial::concrete}}, {MeshKind::rails, {SurfaceMaterial::concrete, true}}}));
   std::vector<const RoadLevel*> levels = {&roads};
