@@ -131,8 +131,8 @@ TEST(MapObjects, traffic_lights_of_a_junction_stand_at_its_arms_once) {
   const auto layout = lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 240)},
                                                          {ObjectKind::traffic_signals, object_at(243, 240)}}});
   const auto faces = faces_of(scene::placed_faces(*layout, MeshKind::object));
-  const auto one =
-      faces_of(lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 300)}}})->objects);
+  const auto with_one = lay_out_objects(site, {.objects = {{ObjectKind::traffic_signals, object_at(240, 300)}}});
+  const auto one = faces_of(scene::placed_faces(*with_one, MeshKind::object));
   EXPECT_EQ(faces.size(), 2 * one.size());
   const Bounds b = bounds(faces);
   EXPECT_NEAR(b.low.x, west_m + 229.0, 0.4);
