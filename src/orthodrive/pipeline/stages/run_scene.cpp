@@ -510,7 +510,7 @@ BuildStage scene_stage(SiteBuild& build) {
   nlohmann::json stage_options = frame_options(site.frame);
   if (!site.scene_roads.empty()) stage_options["scene.roads"] = site.scene_roads;
   return {.name = "scene",
-          .version = 7,
+          .version = 8,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"dtm", site.dtm, SourceRole::Kind::raster},
                       {"buildings", buildings},
