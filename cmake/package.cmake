@@ -11,7 +11,10 @@ set(CPACK_PACKAGE_VERSION ${ORTHODRIVE_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT ${ORTHODRIVE_MAINTAINER})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL orthodrive orthodrive-lab orthodrive-parts libroadquery libroadquery-dev)
+set(CPACK_COMPONENTS_ALL orthodrive libroadquery libroadquery-dev)
+if(ORTHODRIVE_LAB)
+  list(APPEND CPACK_COMPONENTS_ALL orthodrive-lab orthodrive-parts)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -42,7 +45,7 @@ weights of the refinement searched on sites with truth, and published methods
 for roads and heights to compare with. Adds commands and methods to
 orthodrive.")
 
-if(NOT (TARGET orthodrive_forests_so AND TARGET orthodrive_train_so))
+if(ORTHODRIVE_LAB AND NOT (TARGET orthodrive_forests_so AND TARGET orthodrive_train_so))
   message(FATAL_ERROR "packages: the parts are not built, tools/setup --parts brings what they need")
 endif()
 set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_NAME orthodrive-parts)
@@ -80,10 +83,8 @@ Headers, the static library for C++, and what pkg-config and CMake look for.")
 
 # What Debian wants beside: copyright, changelog, and reasons for what lintian would ask about.
 string(TIMESTAMP RELEASE_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)  # follows SOURCE_DATE_EPOCH
-foreach(PAIR orthodrive:orthodrive orthodrive-lab:orthodrive-lab orthodrive-parts:orthodrive-parts libroadquery:${LIBRARY_PACKAGE} libroadquery-dev:libroadquery-dev)
-  string(REPLACE ":" ";" PAIR ${PAIR})
-  list(GET PAIR 0 COMPONENT)
-  list(GET PAIR 1 NAME)
+foreach(COMPONENT ${CPACK_COMPONENTS_ALL})
+  string(REGEX REPLACE "^libroadquery$" ${LIBRARY_PACKAGE} NAME ${COMPONENT})
   set(FOLDER ${PROJECT_BINARY_DIR}/debian/${NAME})
   configure_file(cmake/debian/changelog.in ${FOLDER}/changelog @ONLY)
   execute_process(COMMAND gzip -9nf ${FOLDER}/changelog COMMAND_ERROR_IS_FATAL ANY)

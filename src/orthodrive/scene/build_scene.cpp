@@ -495,7 +495,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   tile.lids = std::move(meshes.lids.mesh);
   add_materials(layout, center, tile, meshes);
   move_into(tile, meshes);
-  add_families(layout.families, tile);
+  for (const auto& family : layout.families) family->add_to(tile);
   if (tile.meshes.empty()) return tile;
   measure_heights(tile);
   tile.texture_rgb = tile_texture(*layout.photo, box, layout.options.max_texture_px);

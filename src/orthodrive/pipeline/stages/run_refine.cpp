@@ -32,19 +32,19 @@ RefinedRoads refine_by_default(const OsmRoads& osm, const LabelMap& labels, cons
   RefineRoadsOptions standard = options;
   standard.threads = context.threads;
   standard.exchange = context.exchange;
-  if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   return refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor, gpx.traces,
                       files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
 }
 
 RefinedRoads refine_it(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   if (files.labels.empty() && !(options.other && options.site)) throw OptionError("refine: needs --labels");
+  RefineRoadsOptions standard = options.standard;
+  if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   std::optional<LabelMap> labels;
   if (!files.labels.empty()) labels = io::read_labels(files.labels);
   const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, *labels);
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
-  RefineRoadsOptions standard = options.standard;
   standard.driving_side = driving_side_in(options.driving_side, site.crs, bounds_of(site.area.outer));
   RefinedRoads result = options.other ? options.other->refine(osm.roads, labels ? &*labels : nullptr, context)
                                       : refine_by_default(osm, *labels, gpx, files, standard, context);

@@ -8,10 +8,6 @@
 
 namespace orthodrive::scene {
 
-void add_families(const Families& families, SceneTile& tile) {
-  for (const std::unique_ptr<const Family>& family : families) family->add_to(tile);
-}
-
 void FaceFamily::add_to(SceneTile& tile) const {
   const auto found = faces_.find({tile.column, tile.row});
   if (found == faces_.end()) return;

@@ -25,9 +25,6 @@ class Family {
 };
 using Families = std::vector<std::unique_ptr<const Family>>;
 
-/// Calls each for a tile.
-void add_families(const Families& families, SceneTile& tile);
-
 /// One of the meshes that a family's faces make.
 struct FaceMesh {
   MeshKind kind;
